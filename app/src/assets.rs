@@ -1,0 +1,1 @@
+//! The robots, objects and scenes that travel inside the program.

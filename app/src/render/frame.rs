@@ -1,0 +1,69 @@
+//! The draw list: what is to be seen, in the world frame, metres, before any GPU is involved.
+
+use std::sync::Arc;
+
+use endcomfort_core::mesh::Mesh;
+use nalgebra::{Isometry3, Point3};
+
+/// Everything that one picture shows.
+#[derive(Clone, Default)]
+pub struct Frame {
+    /// Bodies.
+    pub meshes: Vec<MeshDraw>,
+    /// Clouds.
+    pub points: Vec<PointsDraw>,
+    /// Paths, axes, glyph stems.
+    pub lines: Vec<LineDraw>,
+}
+
+/// One instance of a mesh. Meshes are uploaded once per `Arc`, so keep and share them.
+#[derive(Clone)]
+pub struct MeshDraw {
+    /// Geometry in its own frame M.
+    pub mesh: Arc<Mesh>,
+    /// Pose of M in the world.
+    pub X_WM: Isometry3<f64>,
+    /// sRGB and opacity in [0, 1].
+    pub color: [f32; 4],
+    /// How it takes light.
+    pub surface: Surface,
+    /// What a click on it means; 0 for nothing.
+    pub pick_id: u32,
+}
+
+/// How a body takes light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Surface {
+    /// Painted shell, soft highlight.
+    Satin,
+    /// Dark joint, rubber: almost no highlight.
+    Matte,
+    /// Metal or glazed: tight highlight.
+    Gloss,
+    /// Data: its colour as it is, no light, no shadow.
+    Unlit,
+    /// A see-through outline of something that is not there (a goal, a ghost): brighter at the rim, no shadow.
+    Ghost,
+}
+
+/// A cloud of small discs of one size on screen, unlit.
+#[derive(Clone)]
+pub struct PointsDraw {
+    /// Points in the world; uploaded once per `Arc`.
+    pub points: Arc<Vec<Point3<f64>>>,
+    /// sRGB and opacity of each point, or a single colour for all.
+    pub colors: Arc<Vec<[f32; 4]>>,
+    /// Diameter in metres (drawn at least 1.5 pixels wide).
+    pub diameter_m: f32,
+}
+
+/// A polyline of constant width on screen, unlit.
+#[derive(Clone)]
+pub struct LineDraw {
+    /// Vertices in the world.
+    pub points: Vec<Point3<f64>>,
+    /// sRGB and opacity in [0, 1].
+    pub color: [f32; 4],
+    /// Width in logical pixels.
+    pub width_px: f32,
+}

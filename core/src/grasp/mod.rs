@@ -1,0 +1,107 @@
+//! From a fitted object to ranked grasps, each with its reasons (thesis 4.2 and chapter 5).
+
+use nalgebra::{Isometry3, Point3, Vector3};
+use serde::{Deserialize, Serialize};
+
+/// A hand pose at the object with closed fingers, or the reason why there is none.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Grasp {
+    /// Number in the order of generation; the same seed and fit give the same number to the same grasp.
+    pub id: u32,
+    /// Pose of the hand frame H in the object frame O (the fitted superquadric's axes S).
+    pub X_OH: Isometry3<f64>,
+    /// Finger positions after closing, in the order of `Hand::fingers` flattened.
+    pub closed: Vec<f64>,
+    /// Where the hand touches.
+    pub contacts: Vec<Contact>,
+    /// Distance between the outermost contacts along the closing direction, metres.
+    pub width_m: f64,
+    /// Largest-ball quality of the grasp wrench space (Ferrari and Canny 1992); 0 without force closure.
+    pub epsilon: f64,
+    /// The grasp at the start pose; `None` while it was not reached.
+    pub start: Option<Situated>,
+    /// The grasp at the goal pose; `None` while it was not reached or there is no goal.
+    pub goal: Option<Situated>,
+    /// Accepted, or why not.
+    pub status: GraspStatus,
+}
+
+/// A place where the hand touches the object, in O.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Contact {
+    /// Point on the object's surface, metres.
+    pub p_O: Point3<f64>,
+    /// Outward unit normal of the object there.
+    pub n_O: Vector3<f64>,
+    /// Link of the hand that touches.
+    pub link: String,
+}
+
+/// A grasp with the object at one pose: the IK set and its mean manipulability.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Situated {
+    /// Mean manipulability m_g over the collision-free IK set (5.2); 0 for an empty set.
+    pub m_g: f64,
+    /// N of (5.2): configurations that reach the grasp, within limits and without collision.
+    pub ik_count: usize,
+    /// The IK set: seven arm joints each, radians, in order of arm angle and branch.
+    pub solutions: Vec<Vec<f64>>,
+    /// Manipulability (5.1) of each solution.
+    pub manipulability: Vec<f64>,
+    /// What was turned away: reason and count, most frequent first.
+    pub rejected: Vec<(String, usize)>,
+}
+
+/// Why a grasp was accepted or dropped.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum GraspStatus {
+    /// Usable.
+    Accepted,
+    /// The object is wider across the fingers than the open hand.
+    TooWide { width_m: f64, opening_m: f64 },
+    /// Part of the hand is inside the object before the fingers close.
+    HandInObject { link: String, depth_m: f64 },
+    /// Fewer contacts than three after closing.
+    TooFewContacts { found: usize, wanted: usize },
+    /// A hand link meets the table.
+    HitsTable { link: String },
+    /// A hand link meets another thing in the scene.
+    HitsNeighbour { link: String, neighbour: String },
+    /// No arm configuration reaches it at the start pose.
+    NoIkAtStart { reason: String },
+    /// No arm configuration reaches it at the goal pose.
+    NoIkAtGoal { reason: String },
+}
+
+impl GraspStatus {
+    /// The variant's name as it stands in JSON.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Accepted => "accepted",
+            Self::TooWide { .. } => "too_wide",
+            Self::HandInObject { .. } => "hand_in_object",
+            Self::TooFewContacts { .. } => "too_few_contacts",
+            Self::HitsTable { .. } => "hits_table",
+            Self::HitsNeighbour { .. } => "hits_neighbour",
+            Self::NoIkAtStart { .. } => "no_ik_at_start",
+            Self::NoIkAtGoal { .. } => "no_ik_at_goal",
+        }
+    }
+
+    /// The reason in a few words; empty when accepted.
+    pub fn reason(&self) -> String {
+        match self {
+            Self::Accepted => String::new(),
+            Self::TooWide { width_m, opening_m } => {
+                format!("too wide: {:.0} mm, hand opens {:.0} mm", width_m * 1e3, opening_m * 1e3)
+            }
+            Self::HandInObject { link, depth_m } => format!("{link} is {:.0} mm inside the object", depth_m * 1e3),
+            Self::TooFewContacts { found, wanted } => format!("{found} of {wanted} contacts"),
+            Self::HitsTable { link } => format!("{link} hits the table"),
+            Self::HitsNeighbour { link, neighbour } => format!("{link} hits {neighbour}"),
+            Self::NoIkAtStart { reason } => format!("start: {reason}"),
+            Self::NoIkAtGoal { reason } => format!("goal: {reason}"),
+        }
+    }
+}

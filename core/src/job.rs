@@ -1,0 +1,148 @@
+//! Requests, progress and results: what crosses the thread channel natively and `postMessage` in the browser.
+
+use nalgebra::{Isometry3, Point3};
+use serde::{Deserialize, Serialize};
+
+use crate::cloud::PointCloud;
+use crate::fit::Fit;
+use crate::grasp::Grasp;
+use crate::scene::Scene;
+use crate::segment::{Plane, PointFate};
+use crate::task::Plan;
+
+/// Runs the pipeline for a scene; stages whose inputs did not change are answered from the last run.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Request {
+    /// Revision of the scene that this belongs to; results carry it back and stale ones are dropped.
+    pub revision: u64,
+    /// The scene.
+    pub scene: Scene,
+    /// A cloud that was dropped instead of the scene's own objects.
+    pub cloud: Option<DroppedCloud>,
+    /// The cluster to grasp; `None` takes the one nearest to the task's object (largest, for a dropped cloud).
+    pub cluster: Option<usize>,
+    /// The grasp to plan with; `None` tries them in their order of rank.
+    pub grasp: Option<u32>,
+}
+
+/// A file that somebody dropped.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DroppedCloud {
+    /// File name.
+    pub name: String,
+    /// Its content.
+    pub bytes: Vec<u8>,
+}
+
+/// The steps of the pipeline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stage {
+    Scene,
+    Segment,
+    Fit,
+    Grasps,
+    Rank,
+    Plan,
+}
+
+impl Stage {
+    /// All stages in the order in which they run.
+    pub const ALL: [Self; 6] = [Self::Scene, Self::Segment, Self::Fit, Self::Grasps, Self::Rank, Self::Plan];
+
+    /// What a person reads.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Scene => "Scene",
+            Self::Segment => "Segment",
+            Self::Fit => "Fit",
+            Self::Grasps => "Grasps",
+            Self::Rank => "Rank",
+            Self::Plan => "Plan",
+        }
+    }
+}
+
+/// What comes back while a request runs.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub enum Update {
+    /// A stage is under way: fraction in [0, 1] and a few words.
+    Progress { revision: u64, stage: Stage, fraction: f64, note: String },
+    /// A stage is done.
+    Done { revision: u64, elapsed_ms: f64, output: Box<Output> },
+    /// A stage cannot be done; later stages are not run.
+    Refused { revision: u64, stage: Stage, refusal: Refusal },
+    /// Nothing more will come for this request.
+    Finished { revision: u64 },
+}
+
+/// What a stage gives; everything is in the world frame W.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub enum Output {
+    Scene(SceneOutput),
+    Segment(SegmentOutput),
+    Fit(FitOutput),
+    Grasps(GraspsOutput),
+    Rank(RankOutput),
+    Plan(Box<Plan>),
+}
+
+/// The cloud that the robot sees.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct SceneOutput {
+    /// The cloud in W.
+    pub cloud: PointCloud,
+    /// Notes of the reader, or how the cloud was brought onto the robot's table.
+    pub notes: Vec<String>,
+}
+
+/// Table, clusters and what became of each point.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct SegmentOutput {
+    /// The table plane in W.
+    pub table: Plane,
+    /// Fate of each point of the cloud.
+    pub fates: Vec<PointFate>,
+    /// Points of each cluster, in W, largest first.
+    pub clusters: Vec<Vec<Point3<f64>>>,
+    /// The cluster that will be grasped.
+    pub target: usize,
+}
+
+/// The fits of all clusters; the target's is grasped, the others are obstacles.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct FitOutput {
+    /// One per cluster, or the reason why there is none.
+    pub fits: Vec<Result<Fit, String>>,
+    /// Index of the target.
+    pub target: usize,
+}
+
+/// Candidates after closing the hand and looking for collisions of the hand alone.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct GraspsOutput {
+    /// All candidates, in the order of generation.
+    pub grasps: Vec<Grasp>,
+    /// Pose of the object frame O (axes of the target's fit) at the start, in W.
+    pub X_WO_start: Isometry3<f64>,
+    /// Pose of O at the goal, in W, if the task has one.
+    pub X_WO_goal: Option<Isometry3<f64>>,
+}
+
+/// All candidates, ranked: accepted ones first, best first; then the others in the order of generation.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct RankOutput {
+    /// All candidates.
+    pub grasps: Vec<Grasp>,
+    /// How many of them are accepted.
+    pub accepted: usize,
+}
+
+/// Why a stage cannot be done, for a person.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Refusal {
+    /// One sentence: what happened and what to do.
+    pub message: String,
+    /// Details, one per line: what was tried and why each failed.
+    pub details: Vec<String>,
+}

@@ -1,0 +1,1 @@
+//! The browser entry points: page and worker.
