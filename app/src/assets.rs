@@ -1,1 +1,82 @@
-//! The robots, objects and scenes that travel inside the program.
+//! The robots, objects and demos that travel inside the program.
+
+use std::sync::{Arc, OnceLock};
+
+use endcomfort_core::library::Library;
+use endcomfort_core::scene::Scene;
+use include_dir::{Dir, include_dir};
+
+static ROBOTS: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../robots");
+static OBJECTS: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../objects");
+
+/// The demos in the order of the gallery; each is `objects/scenes/NAME.json`.
+pub const DEMOS: [&str; 3] = ["mustard", "jar", "glass"];
+
+/// The robots that a scene may name.
+pub const ROBOT_NAMES: [&str; 2] = ["crichton", "alita"];
+
+/// Content of a file by its path in the repository: `robots/alita/alita.urdf`, `objects/mug_body.json`.
+pub fn read(path: &str) -> Option<&'static [u8]> {
+    let (folder, rest) = path.split_once('/')?;
+    let dir = match folder {
+        "robots" => &ROBOTS,
+        "objects" => &OBJECTS,
+        _ => return None,
+    };
+    dir.get_file(rest).map(include_dir::File::contents)
+}
+
+/// The library over the files inside the program, shared by everyone.
+pub fn library() -> Arc<Library> {
+    static LIBRARY: OnceLock<Arc<Library>> = OnceLock::new();
+    LIBRARY.get_or_init(|| Arc::new(Library::new(Box::new(read)))).clone()
+}
+
+/// The scene of a demo; `None` when there is no demo of this name.
+pub fn demo(name: &str) -> Option<Scene> {
+    let json = std::str::from_utf8(read(&format!("objects/scenes/{name}.json"))?).ok()?;
+    match Scene::parse(json) {
+        Ok(scene) => Some(scene),
+        Err(error) => {
+            log::error!("demo {name}: {error}");
+            None
+        }
+    }
+}
+
+/// Names of all household objects, sorted.
+pub fn object_names() -> Vec<&'static str> {
+    let mut names: Vec<&str> = OBJECTS
+        .files()
+        .filter_map(|file| file.path().file_name()?.to_str()?.strip_suffix(".json"))
+        .collect();
+    names.sort_unstable();
+    names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_demo_names_a_known_robot_posture_arm_and_objects() {
+        let library = library();
+        for name in DEMOS {
+            let scene = demo(name).expect(name);
+            let robot = library.robot(&scene.robot).expect("robot");
+            assert!(robot.posture(&scene.posture).is_some(), "{name}: posture {:?}", scene.posture);
+            assert!(robot.arm(scene.arm.name()).is_some(), "{name}: arm");
+            for placed in &scene.objects {
+                library.object(&placed.object).expect("object");
+            }
+        }
+    }
+
+    #[test]
+    fn every_object_file_can_be_read() {
+        assert!(object_names().len() >= 8);
+        for name in object_names() {
+            library().object(name).expect(name);
+        }
+    }
+}

@@ -23,6 +23,8 @@ pub struct Request {
     pub cluster: Option<usize>,
     /// The grasp to plan with; `None` tries them in their order of rank.
     pub grasp: Option<u32>,
+    /// The last stage that is wanted.
+    pub last: Stage,
 }
 
 /// A file that somebody dropped.

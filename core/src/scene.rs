@@ -123,3 +123,95 @@ impl Task {
         }
     }
 }
+
+/// Why a scene file is not taken.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// Not JSON, or not our fields.
+    #[error("not a scene: {reason}")]
+    Format { reason: String },
+    /// Written by a later program.
+    #[error("the scene has version {found}; this program reads version {SCENE_VERSION}")]
+    Version { found: u32 },
+    /// A number outside its range.
+    #[error("{place}: found {found}, wanted {wanted}")]
+    Value { place: String, found: String, wanted: String },
+}
+
+/// Largest number of objects or obstacles in a scene.
+pub const MAX_THINGS: usize = 200;
+/// Nothing stands farther than this from the robot, metres.
+const MAX_COORDINATE_M: f64 = 10.0;
+
+impl Scene {
+    /// Reads a scene from JSON and checks it; rotations are brought to unit length.
+    ///
+    /// # Errors
+    /// [`SceneError`] naming the place, what was found and what was wanted.
+    pub fn parse(json: &str) -> Result<Self, SceneError> {
+        let scene: Self =
+            serde_json::from_str(json).map_err(|error| SceneError::Format { reason: error.to_string() })?;
+        scene.checked()
+    }
+
+    /// The scene with unit rotations, or what is wrong with it.
+    ///
+    /// # Errors
+    /// As [`Scene::parse`].
+    pub fn checked(mut self) -> Result<Self, SceneError> {
+        if self.version != SCENE_VERSION {
+            return Err(SceneError::Version { found: self.version });
+        }
+        for (list, count) in [("objects", self.objects.len()), ("obstacles", self.obstacles.len())] {
+            check(count <= MAX_THINGS, list, count, format!("at most {MAX_THINGS}"))?;
+        }
+        let table = &self.table;
+        for (name, value) in [("size_m[0]", table.size_m[0]), ("size_m[1]", table.size_m[1]), ("thickness_m", table.thickness_m)]
+        {
+            check(value > 0.0 && value < MAX_COORDINATE_M, &format!("table.{name}"), value, "between 0 and 10".into())?;
+        }
+        for (name, value) in [("center_m[0]", table.center_m[0]), ("center_m[1]", table.center_m[1]), ("height_m", table.height_m)] {
+            check(value.abs() < MAX_COORDINATE_M, &format!("table.{name}"), value, "within 10 m".into())?;
+        }
+        checked_pose("X_WC", &mut self.X_WC)?;
+        for (index, object) in self.objects.iter_mut().enumerate() {
+            checked_pose(&format!("objects[{index}].X_WO"), &mut object.X_WO)?;
+        }
+        for (index, obstacle) in self.obstacles.iter_mut().enumerate() {
+            checked_pose(&format!("obstacles[{index}].X_WB"), &mut obstacle.X_WB)?;
+            let fits = obstacle.size_m.iter().all(|s| *s > 0.0 && *s < MAX_COORDINATE_M);
+            check(fits, &format!("obstacles[{index}].size_m"), obstacle.size_m, "between 0 and 10".into())?;
+        }
+        let object = self.task.object();
+        check(object < self.objects.len(), "task.object", object, format!("below {}", self.objects.len()))?;
+        if let Task::PickAndPlace { X_WO_goal, .. } = &mut self.task {
+            checked_pose("task.X_WO_goal", X_WO_goal)?;
+        }
+        check(
+            self.fit.voxel_m.is_finite() && self.fit.voxel_m >= 0.0,
+            "fit.voxel_m",
+            self.fit.voxel_m,
+            "0 or more".into(),
+        )?;
+        Ok(self)
+    }
+}
+
+fn check(holds: bool, place: &str, found: impl std::fmt::Debug, wanted: String) -> Result<(), SceneError> {
+    if holds {
+        Ok(())
+    } else {
+        Err(SceneError::Value { place: place.to_owned(), found: format!("{found:?}"), wanted })
+    }
+}
+
+fn checked_pose(place: &str, X: &mut Isometry3<f64>) -> Result<(), SceneError> {
+    let t = X.translation.vector;
+    check(t.iter().all(|c| c.abs() < MAX_COORDINATE_M), place, t, "coordinates within 10 m".into())?;
+    let quaternion = *X.rotation.quaternion();
+    let norm = quaternion.norm();
+    check(norm.is_finite() && norm > 1e-6, place, norm, "a rotation of length 1".into())?;
+    X.rotation = nalgebra::UnitQuaternion::new_unchecked(quaternion / norm);
+    Ok(())
+}

@@ -1,5 +1,16 @@
 //! From a fitted object to ranked grasps, each with its reasons (thesis 4.2 and chapter 5).
 
+mod candidates;
+mod close;
+mod hand;
+mod quality;
+mod situate;
+
+pub use candidates::{GraspSettings, HandHit, candidates};
+pub use hand::HandModel;
+pub use quality::epsilon;
+pub use situate::Reach;
+
 use nalgebra::{Isometry3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
@@ -24,6 +35,13 @@ pub struct Grasp {
     pub goal: Option<Situated>,
     /// Accepted, or why not.
     pub status: GraspStatus,
+}
+
+impl Grasp {
+    /// Whether it may be used.
+    pub fn is_accepted(&self) -> bool {
+        self.status == GraspStatus::Accepted
+    }
 }
 
 /// A place where the hand touches the object, in O.
@@ -64,6 +82,8 @@ pub enum GraspStatus {
     HandInObject { link: String, depth_m: f64 },
     /// Fewer contacts than three after closing.
     TooFewContacts { found: usize, wanted: usize },
+    /// Everything that touches is on one side of the object.
+    OneSided { link: String },
     /// A hand link meets the table.
     HitsTable { link: String },
     /// A hand link meets another thing in the scene.
@@ -82,6 +102,7 @@ impl GraspStatus {
             Self::TooWide { .. } => "too_wide",
             Self::HandInObject { .. } => "hand_in_object",
             Self::TooFewContacts { .. } => "too_few_contacts",
+            Self::OneSided { .. } => "one_sided",
             Self::HitsTable { .. } => "hits_table",
             Self::HitsNeighbour { .. } => "hits_neighbour",
             Self::NoIkAtStart { .. } => "no_ik_at_start",
@@ -98,6 +119,7 @@ impl GraspStatus {
             }
             Self::HandInObject { link, depth_m } => format!("{link} is {:.0} mm inside the object", depth_m * 1e3),
             Self::TooFewContacts { found, wanted } => format!("{found} of {wanted} contacts"),
+            Self::OneSided { link } => format!("only {link} touches, nothing opposes it"),
             Self::HitsTable { link } => format!("{link} hits the table"),
             Self::HitsNeighbour { link, neighbour } => format!("{link} hits {neighbour}"),
             Self::NoIkAtStart { reason } => format!("start: {reason}"),

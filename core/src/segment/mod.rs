@@ -69,6 +69,8 @@ pub enum PointFate {
     TooHigh,
     /// Outside the outline of the table (a wall, the floor, a chair).
     OffTable,
+    /// On an obstacle that the robot knows already.
+    KnownObstacle,
     /// In a cluster smaller than `cluster_min_points`.
     SmallCluster,
 }

@@ -1,5 +1,13 @@
 //! Tasks: from an intent ("pick it", "place it there") to a list of timed phases, or a typed refusal.
 
+mod pick_and_place;
+mod report;
+mod workcell;
+
+pub use pick_and_place::{MotionSettings, PickAndPlace, plan_pick_and_place};
+pub use report::plan_json_lines;
+pub use workcell::{TARGET, Workcell, WorkcellError};
+
 use nalgebra::Isometry3;
 use serde::{Deserialize, Serialize};
 
@@ -19,6 +27,12 @@ pub struct Plan {
     pub q_start: Vec<f64>,
     /// Degrees of freedom of the arm, then of the hand, as indices into `q`: the columns of every trajectory.
     pub dofs: Vec<usize>,
+    /// Pose of the object frame O in the world before it is grasped.
+    pub X_WO_start: Isometry3<f64>,
+    /// Pose of O once it is let go; equal to the last carried pose for a pick.
+    pub X_WO_end: Isometry3<f64>,
+    /// Link index of the hand frame H.
+    pub tcp_link: usize,
     /// Grasps tried before this one, each with the reason it failed.
     pub failed_grasps: Vec<(u32, String)>,
 }
@@ -73,8 +87,50 @@ pub struct Phase {
 pub struct PlanState {
     /// All degrees of freedom.
     pub q: Vec<f64>,
-    /// Pose of the object O in the world.
-    pub X_WO: Isometry3<f64>,
     /// Phase index.
     pub phase: usize,
+    /// Where the object is.
+    pub object: ObjectState,
+}
+
+/// Where the object is during a plan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ObjectState {
+    /// Standing, not yet grasped or let go again: its pose `X_WO`.
+    Standing(Isometry3<f64>),
+    /// In the hand: its pose `X_HO` in the hand frame.
+    Carried(Isometry3<f64>),
+}
+
+impl Plan {
+    /// Duration of all phases, seconds.
+    pub fn duration_s(&self) -> f64 {
+        self.phases.last().map_or(0.0, |phase| phase.start_s + phase.trajectory.duration_s())
+    }
+
+    /// Index of the phase at a time; the first before the start, the last after the end.
+    pub fn phase_at(&self, time_s: f64) -> usize {
+        self.phases.partition_point(|phase| phase.start_s <= time_s).saturating_sub(1)
+    }
+
+    /// Joints and object at a time, seconds from the start of the plan.
+    pub fn state_at(&self, time_s: f64) -> PlanState {
+        let mut q = self.q_start.clone();
+        let index = self.phase_at(time_s);
+        let Some(phase) = self.phases.get(index) else {
+            return PlanState { q, phase: 0, object: ObjectState::Standing(self.X_WO_start) };
+        };
+        for (&dof, position) in self.dofs.iter().zip(phase.trajectory.at(time_s - phase.start_s)) {
+            q[dof] = position;
+        }
+        let was_carried = self.phases[..index].iter().any(|earlier| earlier.carries);
+        let object = if phase.carries {
+            ObjectState::Carried(self.grasp.X_OH.inverse())
+        } else if was_carried {
+            ObjectState::Standing(self.X_WO_end)
+        } else {
+            ObjectState::Standing(self.X_WO_start)
+        };
+        PlanState { q, phase: index, object }
+    }
 }

@@ -1,0 +1,77 @@
+//! What a subcommand is given: a demo's name, a scene file or a cloud file.
+
+use std::path::Path;
+
+use endcomfort_core::cloud::{PointCloud, read_cloud};
+use endcomfort_core::job::{DroppedCloud, Request, Stage};
+use endcomfort_core::loaded::Loaded;
+use endcomfort_core::scene::Scene;
+
+use super::{Common, Failure};
+use crate::assets;
+
+/// Largest file that is read, bytes.
+const MAX_FILE_BYTES: u64 = 1 << 30;
+
+/// The content of a file.
+pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, Failure> {
+    let shown = path.display();
+    let size = std::fs::metadata(path).map_err(|error| Failure::new(format!("{shown}: {error}")))?.len();
+    if size > MAX_FILE_BYTES {
+        return Err(Failure::new(format!("{shown}: found {size} bytes, wanted at most {MAX_FILE_BYTES}")));
+    }
+    std::fs::read(path).map_err(|error| Failure::new(format!("{shown}: {error}")))
+}
+
+/// A cloud file in its own frame.
+pub(super) fn cloud_file(path: &Path) -> Result<Loaded<PointCloud>, Failure> {
+    let bytes = read_file(path)?;
+    read_cloud(&path.to_string_lossy(), &bytes)
+        .map_err(|error| Failure::new(format!("{}: {error}", path.display())))
+}
+
+/// Whether a name is a demo or a scene file, as opposed to a cloud.
+pub(super) fn is_scene(name: &str) -> bool {
+    assets::DEMOS.contains(&name) || Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("json"))
+}
+
+/// A demo or a scene file.
+pub(super) fn scene(name: &str) -> Result<Scene, Failure> {
+    if let Some(scene) = assets::demo(name) {
+        return Ok(scene);
+    }
+    if !is_scene(name) {
+        return Err(Failure::new(format!(
+            "{name:?} is neither a demo ({}) nor a scene file (.json)",
+            assets::DEMOS.join(", ")
+        )));
+    }
+    let bytes = read_file(Path::new(name))?;
+    Scene::parse(&String::from_utf8_lossy(&bytes)).map_err(|error| Failure::new(format!("{name}: {error}")))
+}
+
+/// A request for a demo, a scene file or a cloud file; a cloud is brought onto the table of the first demo.
+pub(super) fn request(name: &str, robot: Option<&str>, common: &Common) -> Result<Request, Failure> {
+    let (mut scene, cloud) = if is_scene(name) {
+        (scene(name)?, None)
+    } else {
+        let path = Path::new(name);
+        let bytes = read_file(path)?;
+        let file_name = path.file_name().map_or_else(|| name.to_owned(), |n| n.to_string_lossy().into_owned());
+        (scene_for_clouds()?, Some(DroppedCloud { name: file_name, bytes }))
+    };
+    if let Some(robot) = robot {
+        if !assets::ROBOT_NAMES.contains(&robot) {
+            return Err(Failure::new(format!("no robot {robot:?}; there are {}", assets::ROBOT_NAMES.join(" and "))));
+        }
+        scene.robot = robot.to_owned();
+    }
+    if let Some(seed) = common.seed {
+        scene.seed = seed;
+    }
+    Ok(Request { revision: 0, scene, cloud, cluster: None, grasp: None, last: Stage::Plan })
+}
+
+fn scene_for_clouds() -> Result<Scene, Failure> {
+    assets::demo(assets::DEMOS[0]).ok_or_else(|| Failure::new("the first demo is missing"))
+}

@@ -1,0 +1,288 @@
+//! From the pipeline's results to a draw list: which bodies, points and lines show what the robot knows and does.
+
+mod palette;
+
+use std::sync::Arc;
+
+use endcomfort_core::fit::Fit;
+use endcomfort_core::grasp::{Grasp, HandModel};
+use endcomfort_core::job::{FitOutput, SceneOutput, SegmentOutput};
+use endcomfort_core::mesh::Mesh;
+use endcomfort_core::robot::Robot;
+use endcomfort_core::scene::Scene;
+use endcomfort_core::superquadric::Superquadric;
+use endcomfort_core::task::{PhaseKind, Plan};
+use nalgebra::{Isometry3, Point3, Translation3, Vector3};
+
+use crate::render::{ColorMap, Frame, LineDraw, MeshDraw, PointsDraw, Scale, Surface, Theme, shapes};
+use crate::viewer::{Layer, Layers, Pick};
+pub use palette::Palette;
+
+/// Everything that a picture is made of.
+pub struct Content<'a> {
+    pub scene: &'a Scene,
+    pub robot: &'a Arc<Robot>,
+    /// All joint positions.
+    pub q: &'a [f64],
+    pub cloud: Option<&'a SceneOutput>,
+    pub segment: Option<&'a SegmentOutput>,
+    pub fits: Option<&'a FitOutput>,
+    /// Ranked grasps, or candidates before they are ranked.
+    pub grasps: &'a [Grasp],
+    /// Pose of the object frame at the start and, if there is one, at the goal.
+    pub X_WO_start: Option<Isometry3<f64>>,
+    pub X_WO_goal: Option<Isometry3<f64>>,
+    /// Where the object is now.
+    pub X_WO: Option<Isometry3<f64>>,
+    pub plan: Option<&'a Plan>,
+    pub layers: &'a Layers,
+    pub hovered: Option<u32>,
+    pub selected: Option<u32>,
+    pub theme: Theme,
+}
+
+/// Builds draw lists and keeps the meshes that several of them share.
+#[derive(Default)]
+pub struct Composer {
+    table: Option<([f64; 3], Arc<Mesh>)>,
+    boxes: Vec<(Vector3<f64>, Arc<Mesh>)>,
+    fits: Vec<(Superquadric, Arc<Mesh>)>,
+    links: Option<(*const Robot, Vec<Vec<Arc<Mesh>>>)>,
+    cloud: Option<CloudCache>,
+    pin: Option<Arc<Mesh>>,
+}
+
+struct CloudCache {
+    key: (usize, usize, bool, Theme),
+    points: Arc<Vec<Point3<f64>>>,
+    colors: Arc<Vec<[f32; 4]>>,
+}
+
+impl Composer {
+    /// The draw list of one moment.
+    pub fn compose(&mut self, input: &Content<'_>) -> Frame {
+        let palette = Palette::of(input.theme);
+        let mut frame = Frame::default();
+        self.add_furniture(&mut frame, input.scene, &palette);
+        if input.layers.opacity(Layer::Robot) > 0.0 {
+            self.add_robot(&mut frame, input, &palette);
+        }
+        if let Some(cloud) = input.cloud.filter(|_| input.layers.opacity(Layer::Cloud) > 0.0) {
+            self.add_cloud(&mut frame, cloud, input, &palette);
+        }
+        if let Some(fits) = input.fits {
+            self.add_fits(&mut frame, fits, input, &palette);
+        }
+        self.add_grasps(&mut frame, input, &palette);
+        if let Some(plan) = input.plan.filter(|_| input.layers.opacity(Layer::Path) > 0.0) {
+            add_path(&mut frame, plan, input, &palette);
+        }
+        frame
+    }
+
+    fn box_mesh(&mut self, size_m: Vector3<f64>) -> Arc<Mesh> {
+        if let Some((_, mesh)) = self.boxes.iter().find(|(known, _)| *known == size_m) {
+            return mesh.clone();
+        }
+        let mesh = Arc::new(shapes::rounded_cuboid(size_m, 0.004_f64.min(0.2 * size_m.min())));
+        self.boxes.push((size_m, mesh.clone()));
+        mesh
+    }
+
+    fn add_furniture(&mut self, frame: &mut Frame, scene: &Scene, palette: &Palette) {
+        let table = &scene.table;
+        let size = [table.size_m[0], table.size_m[1], table.thickness_m];
+        if self.table.as_ref().is_none_or(|(known, _)| *known != size) {
+            self.table = Some((size, Arc::new(shapes::rounded_cuboid(Vector3::from(size), 0.012_f64.min(0.45 * size[2])))));
+        }
+        if let Some((_, mesh)) = &self.table {
+            let z = table.height_m - 0.5 * table.thickness_m;
+            frame.meshes.push(MeshDraw {
+                mesh: mesh.clone(),
+                X_WM: Isometry3::translation(table.center_m[0], table.center_m[1], z),
+                color: palette.table,
+                surface: Surface::Satin,
+                pick_id: 0,
+            });
+        }
+        for obstacle in &scene.obstacles {
+            let mesh = self.box_mesh(obstacle.size_m);
+            frame.meshes.push(MeshDraw {
+                mesh,
+                X_WM: obstacle.X_WB,
+                color: palette.obstacle,
+                surface: Surface::Satin,
+                pick_id: 0,
+            });
+        }
+    }
+
+    fn link_meshes(&mut self, robot: &Arc<Robot>) -> &[Vec<Arc<Mesh>>] {
+        let key = Arc::as_ptr(robot);
+        if self.links.as_ref().is_none_or(|(known, _)| *known != key) {
+            let meshes = robot
+                .links
+                .iter()
+                .map(|link| link.visuals.iter().map(|visual| shapes::geometry_mesh(&visual.geometry)).collect())
+                .collect();
+            self.links = Some((key, meshes));
+        }
+        self.links.as_ref().map_or(&[], |(_, meshes)| meshes)
+    }
+
+    fn add_robot(&mut self, frame: &mut Frame, input: &Content<'_>, palette: &Palette) {
+        let X_WL = input.robot.link_poses(input.q);
+        let meshes = self.link_meshes(input.robot);
+        for ((link, meshes), X_WL) in input.robot.links.iter().zip(meshes).zip(&X_WL) {
+            for (visual, mesh) in link.visuals.iter().zip(meshes) {
+                let (color, surface) = palette.material(&visual.material, input.layers.opacity(Layer::Robot));
+                frame.meshes.push(MeshDraw { mesh: mesh.clone(), X_WM: X_WL * visual.X_LV, color, surface, pick_id: Pick::Robot.id() });
+            }
+        }
+    }
+
+    fn add_cloud(&mut self, frame: &mut Frame, cloud: &SceneOutput, input: &Content<'_>, palette: &Palette) {
+        let points = &cloud.cloud.points;
+        let key = (points.as_ptr() as usize, points.len(), input.segment.is_some(), input.theme);
+        if self.cloud.as_ref().is_none_or(|cache| cache.key != key) {
+            let fates = input.segment.map(|s| s.fates.as_slice()).filter(|fates| fates.len() == points.len());
+            let target = input.segment.map(|s| s.target);
+            let colors = (0..points.len())
+                .map(|i| fates.map_or(palette.cloud, |fates| palette.fate(fates[i], target)))
+                .collect();
+            self.cloud = Some(CloudCache { key, points: Arc::new(points.clone()), colors: Arc::new(colors) });
+        }
+        if let Some(cache) = &self.cloud {
+            frame.points.push(PointsDraw {
+                points: cache.points.clone(),
+                colors: cache.colors.clone(),
+                diameter_m: 0.0022,
+            });
+        }
+    }
+
+    fn fit_mesh(&mut self, superquadric: &Superquadric) -> Arc<Mesh> {
+        let shape = Superquadric { X_FS: Isometry3::identity(), ..*superquadric };
+        if let Some((_, mesh)) = self.fits.iter().find(|(known, _)| *known == shape) {
+            return mesh.clone();
+        }
+        if self.fits.len() > 64 {
+            self.fits.clear();
+        }
+        let mesh = Arc::new(shape.mesh(48));
+        self.fits.push((shape, mesh.clone()));
+        mesh
+    }
+
+    fn add_fits(&mut self, frame: &mut Frame, fits: &FitOutput, input: &Content<'_>, palette: &Palette) {
+        for (cluster, fit) in fits.fits.iter().enumerate() {
+            let Ok(Fit { superquadric, .. }) = fit else { continue };
+            let mesh = self.fit_mesh(superquadric);
+            let is_target = cluster == fits.target;
+            if input.layers.opacity(Layer::Fits) > 0.0 {
+                let X_WM = if is_target { input.X_WO.unwrap_or(superquadric.X_FS) } else { superquadric.X_FS };
+                let (mut color, surface) = if is_target {
+                    (palette.target, Surface::Satin)
+                } else {
+                    (palette.neighbour(input.scene, &superquadric.X_FS), Surface::Satin)
+                };
+                color[3] *= input.layers.opacity(Layer::Fits);
+                frame.meshes.push(MeshDraw {
+                    mesh: mesh.clone(),
+                    X_WM,
+                    color,
+                    surface,
+                    pick_id: Pick::Cluster(cluster as u32).id(),
+                });
+            }
+            if let Some(X_WM) = input.X_WO_goal.filter(|_| is_target && input.layers.opacity(Layer::Goal) > 0.0) {
+                let mut color = palette.goal;
+                color[3] *= input.layers.opacity(Layer::Goal);
+                frame.meshes.push(MeshDraw { mesh, X_WM, color, surface: Surface::Ghost, pick_id: 0 });
+            }
+        }
+    }
+
+    fn add_grasps(&mut self, frame: &mut Frame, input: &Content<'_>, palette: &Palette) {
+        let Some(X_WO) = input.X_WO.or(input.X_WO_start) else { return };
+        let Some(arm) = input.robot.arm(input.scene.arm.name()) else { return };
+        let pin = self.pin.get_or_insert_with(|| Arc::new(shapes::pin(0.055, 0.0012, 0.0042))).clone();
+        let hand = HandModel::new(input.robot, arm);
+        let scale = merit_scale(input.grasps);
+        for grasp in input.grasps {
+            let accepted = grasp.is_accepted();
+            let opacity = if accepted { input.layers.opacity(Layer::Grasps) } else { input.layers.opacity(Layer::Rejected) };
+            if opacity <= 0.0 {
+                continue;
+            }
+            let mut color = if accepted { scale.color(merit(grasp)) } else { palette.rejected };
+            color[3] *= opacity;
+            // The pin stands on the surface and points back along the approach.
+            let back = Translation3::new(0.0, 0.0, -hand.palm_depth_m().min(0.02));
+            frame.meshes.push(MeshDraw {
+                mesh: pin.clone(),
+                X_WM: X_WO * grasp.X_OH * back,
+                color,
+                surface: Surface::Unlit,
+                pick_id: Pick::Grasp(grasp.id).id(),
+            });
+        }
+        for (id, color) in [(input.hovered, palette.hovered_hand), (input.selected, palette.selected_hand)] {
+            let Some(grasp) = input.grasps.iter().find(|g| Some(g.id) == id) else { continue };
+            self.add_hand(frame, input, &hand, &(X_WO * grasp.X_OH), &grasp.closed, color);
+        }
+    }
+
+    fn add_hand(
+        &mut self,
+        frame: &mut Frame,
+        input: &Content<'_>,
+        hand: &HandModel,
+        X_WH: &Isometry3<f64>,
+        fingers: &[f64],
+        color: [f32; 4],
+    ) {
+        let meshes = self.link_meshes(input.robot);
+        for (link, X_HL) in hand.links.iter().zip(hand.link_poses(fingers)) {
+            let Some(index) = input.robot.links.iter().position(|l| l.name == link.name) else { continue };
+            for (visual, mesh) in input.robot.links[index].visuals.iter().zip(&meshes[index]) {
+                let X_WM = X_WH * X_HL * visual.X_LV;
+                frame.meshes.push(MeshDraw { mesh: mesh.clone(), X_WM, color, surface: Surface::Ghost, pick_id: 0 });
+            }
+        }
+    }
+}
+
+/// What the colour of a grasp stands for: m_g at the goal, or at the start when there is no goal.
+pub fn merit(grasp: &Grasp) -> f64 {
+    grasp.goal.as_ref().or(grasp.start.as_ref()).map_or(0.0, |situated| situated.m_g)
+}
+
+/// Colours of accepted grasps by [`merit`].
+pub fn merit_scale(grasps: &[Grasp]) -> Scale {
+    let accepted = grasps.iter().filter(|grasp| grasp.is_accepted());
+    Scale::covering(ColorMap::Viridis, accepted.map(merit))
+}
+
+/// The way of the hand frame, phase by phase.
+fn add_path(frame: &mut Frame, plan: &Plan, input: &Content<'_>, palette: &Palette) {
+    let Some(arm) = input.robot.arm(&plan.arm) else { return };
+    for phase in &plan.phases {
+        let mut color = match phase.kind {
+            PhaseKind::Reach => palette.reach,
+            PhaseKind::Retreat => palette.retreat,
+            PhaseKind::Close | PhaseKind::Open => continue,
+            PhaseKind::Lift | PhaseKind::Transport | PhaseKind::Place => palette.transport,
+        };
+        color[3] *= input.layers.opacity(Layer::Path);
+        let samples = 48;
+        let points = (0..=samples)
+            .map(|k| {
+                let time_s = phase.start_s + phase.trajectory.duration_s() * f64::from(k) / f64::from(samples);
+                let state = plan.state_at(time_s);
+                Point3::from(input.robot.link_poses(&state.q)[arm.hand.tcp_link].translation.vector)
+            })
+            .collect();
+        frame.lines.push(LineDraw { points, color, width_px: 3.0 });
+    }
+}

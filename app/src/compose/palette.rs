@@ -1,0 +1,125 @@
+//! Colours of the view, by theme (tokens of the look).
+
+use endcomfort_core::robot::Material;
+use endcomfort_core::scene::Scene;
+use endcomfort_core::segment::PointFate;
+use nalgebra::Isometry3;
+
+use crate::assets;
+use crate::render::{Surface, Theme};
+
+/// A neighbour whose fit is within this distance of a described object gets that object's colour, metres.
+const SAME_OBJECT_M: f64 = 0.08;
+
+/// Colours of everything in the view, sRGB and opacity.
+pub struct Palette {
+    pub table: [f32; 4],
+    pub obstacle: [f32; 4],
+    pub target: [f32; 4],
+    pub goal: [f32; 4],
+    pub cloud: [f32; 4],
+    pub rejected: [f32; 4],
+    pub hovered_hand: [f32; 4],
+    pub selected_hand: [f32; 4],
+    pub reach: [f32; 4],
+    pub transport: [f32; 4],
+    pub retreat: [f32; 4],
+    shell: [f32; 4],
+    joint: [f32; 4],
+    accent: [f32; 4],
+    neighbour: [f32; 4],
+    faint: [f32; 4],
+    clusters: [[f32; 4]; 5],
+}
+
+const fn rgb(hex: u32) -> [f32; 4] {
+    rgba(hex, 1.0)
+}
+
+const fn rgba(hex: u32, opacity: f32) -> [f32; 4] {
+    [((hex >> 16) & 255) as f32 / 255.0, ((hex >> 8) & 255) as f32 / 255.0, (hex & 255) as f32 / 255.0, opacity]
+}
+
+impl Palette {
+    /// The palette of a theme.
+    pub fn of(theme: Theme) -> Self {
+        match theme {
+            Theme::Dark => Self {
+                table: rgb(0x4a4540),
+                obstacle: rgb(0x9a7b5c),
+                target: rgba(0x3ec6b0, 0.72),
+                goal: rgba(0xf0b34a, 0.55),
+                cloud: rgb(0x6ca9ff),
+                rejected: rgba(0xee6a5c, 0.8),
+                hovered_hand: rgba(0xe7eaed, 0.55),
+                selected_hand: rgba(0xb08cff, 0.6),
+                reach: rgb(0x6ca9ff),
+                transport: rgb(0xf0b34a),
+                retreat: rgb(0x8a96a3),
+                shell: rgb(0xd4d6d6),
+                joint: rgb(0x1c1f23),
+                accent: rgb(0x3ec6b0),
+                neighbour: rgb(0x7d8894),
+                faint: rgba(0x5b6672, 0.35),
+                clusters: [rgb(0x6ca9ff), rgb(0xb08cff), rgb(0xf0b34a), rgb(0x8fd36b), rgb(0xe58fc0)],
+            },
+            Theme::Light => Self {
+                table: rgb(0xd9d4cd),
+                obstacle: rgb(0xc7a884),
+                target: rgba(0x0d9a85, 0.72),
+                goal: rgba(0xc98208, 0.5),
+                cloud: rgb(0x2f74d8),
+                rejected: rgba(0xd2483a, 0.8),
+                hovered_hand: rgba(0x1d2329, 0.45),
+                selected_hand: rgba(0x7d56d6, 0.55),
+                reach: rgb(0x2f74d8),
+                transport: rgb(0xc98208),
+                retreat: rgb(0x69737d),
+                shell: rgb(0xe6e7e6),
+                joint: rgb(0x24282d),
+                accent: rgb(0x0d9a85),
+                neighbour: rgb(0x9aa4ad),
+                faint: rgba(0xa3abb2, 0.45),
+                clusters: [rgb(0x2f74d8), rgb(0x7d56d6), rgb(0xc98208), rgb(0x4b9a2f), rgb(0xb84d8a)],
+            },
+        }
+    }
+
+    /// Colour and surface of a robot's material; machines have two greys and one accent.
+    pub fn material(&self, material: &Material, opacity: f32) -> ([f32; 4], Surface) {
+        let (mut color, surface) = match material.name.as_str() {
+            "shell" => (self.shell, Surface::Satin),
+            "joint" => (self.joint, Surface::Satin),
+            "accent" => (self.accent, Surface::Satin),
+            "rubber" => (material.rgba, Surface::Matte),
+            "metal" => (material.rgba, Surface::Gloss),
+            _ => (material.rgba, Surface::Satin),
+        };
+        color[3] *= opacity;
+        (color, surface)
+    }
+
+    /// Colour of a point by what became of it; the target cluster is teal.
+    pub fn fate(&self, fate: PointFate, target: Option<usize>) -> [f32; 4] {
+        match fate {
+            PointFate::Cluster(index) if Some(usize::from(index)) == target => self.accent,
+            PointFate::Cluster(index) => self.clusters[usize::from(index) % self.clusters.len()],
+            PointFate::SmallCluster => self.rejected,
+            _ => self.faint,
+        }
+    }
+
+    /// Colour of a fit that is not grasped: that of the described object which stands there, or a quiet grey.
+    pub fn neighbour(&self, scene: &Scene, X_WS: &Isometry3<f64>) -> [f32; 4] {
+        let horizontal = |X: &Isometry3<f64>| X.translation.vector.xy();
+        scene
+            .objects
+            .iter()
+            .find(|placed| (horizontal(&placed.X_WO) - horizontal(X_WS)).norm() < SAME_OBJECT_M)
+            .and_then(|placed| assets::library().object(&placed.object).ok())
+            .map_or(self.neighbour, |object| {
+                let [r, g, b] = object.color.map(|c| f32::from(c) / 255.0);
+                [r, g, b, 1.0]
+            })
+    }
+}

@@ -1,0 +1,96 @@
+//! Pictures without a window: a scene at a moment, drawn off-screen.
+
+use std::sync::Arc;
+
+use endcomfort_core::job::Output;
+use endcomfort_core::robot::Robot;
+use endcomfort_core::scene::Scene;
+use endcomfort_core::task::ObjectState;
+use image::RgbaImage;
+use nalgebra::Point3;
+
+use crate::compose::{Composer, Content};
+use crate::render::{Camera, Offscreen, OffscreenError, Theme, View};
+use crate::viewer::Layers;
+
+/// What a picture shows: a scene and whatever the pipeline found.
+pub struct Picture<'a> {
+    pub scene: &'a Scene,
+    pub robot: &'a Arc<Robot>,
+    pub outputs: &'a [Output],
+}
+
+/// How a picture is taken.
+pub struct PictureSettings {
+    /// Width and height, pixels.
+    pub size_px: [u32; 2],
+    /// Eye and target in the world, metres; the usual view without.
+    pub camera: Option<([f64; 3], [f64; 3])>,
+    /// Time in the plan, seconds; without it the robot stands in its start posture.
+    pub time_s: Option<f64>,
+    /// No background.
+    pub transparent: bool,
+    /// Colours.
+    pub theme: Theme,
+}
+
+impl Picture<'_> {
+    /// Draws the picture.
+    ///
+    /// # Errors
+    /// [`OffscreenError`] when there is no graphics adapter or the size is beyond its limit.
+    pub fn draw(&self, settings: &PictureSettings) -> Result<RgbaImage, OffscreenError> {
+        let mut content = Content {
+            scene: self.scene,
+            robot: self.robot,
+            q: &[],
+            cloud: None,
+            segment: None,
+            fits: None,
+            grasps: &[],
+            X_WO_start: None,
+            X_WO_goal: None,
+            X_WO: None,
+            plan: None,
+            layers: &Layers::default(),
+            hovered: None,
+            selected: None,
+            theme: settings.theme,
+        };
+        for output in self.outputs {
+            match output {
+                Output::Scene(value) => content.cloud = Some(value),
+                Output::Segment(value) => content.segment = Some(value),
+                Output::Fit(value) => content.fits = Some(value),
+                Output::Grasps(value) => {
+                    (content.X_WO_start, content.X_WO_goal) = (Some(value.X_WO_start), value.X_WO_goal);
+                    content.grasps = &value.grasps;
+                }
+                Output::Rank(value) => {
+                    content.grasps = &value.grasps;
+                    content.selected = value.grasps.first().filter(|g| g.is_accepted()).map(|g| g.id);
+                }
+                Output::Plan(value) => content.plan = Some(value),
+            }
+        }
+        let resting = self.robot.posture(&self.scene.posture);
+        let mut q = resting.map_or_else(|| vec![0.0; self.robot.dof_count()], <[f64]>::to_vec);
+        content.X_WO = content.X_WO_start;
+        if let (Some(plan), Some(time_s)) = (content.plan, settings.time_s) {
+            let state = plan.state_at(time_s);
+            q = state.q;
+            content.X_WO = Some(match state.object {
+                ObjectState::Standing(X_WO) => X_WO,
+                ObjectState::Carried(X_HO) => self.robot.link_poses(&q)[plan.tcp_link] * X_HO,
+            });
+            content.grasps = &[];
+        }
+        content.q = &q;
+        let frame = Composer::default().compose(&content);
+        let camera = settings.camera.map_or_else(Camera::default, |(eye, target)| {
+            Camera::looking(Point3::from(eye), Point3::from(target))
+        });
+        let view = View { transparent: settings.transparent, ..View::new(camera, settings.theme, settings.size_px) };
+        Offscreen::new()?.render(&frame, &view)
+    }
+}

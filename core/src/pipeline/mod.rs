@@ -1,0 +1,13 @@
+//! The whole way: scene → cloud → segments → fits → grasps → ranking → plan.
+//!
+//! [`Pipeline::run`] answers a [`Request`](crate::job::Request) stage by stage. A stage whose inputs have not changed
+//! since the last run is answered from memory, so moving the goal does not segment the cloud again.
+
+mod goal;
+mod memory;
+mod perceive;
+mod rank;
+mod run;
+
+pub use perceive::synthetic_cloud;
+pub use run::Pipeline;

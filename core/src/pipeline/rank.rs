@@ -1,0 +1,187 @@
+//! From candidates to ranked grasps: each one situated at the start and at the goal.
+
+use nalgebra::Isometry3;
+
+use crate::collision::{HandChecker, Scratch, World};
+use crate::grasp::{Grasp, GraspSettings, GraspStatus, HandHit, HandModel, Reach, Situated, candidates};
+use crate::job::{FitOutput, Refusal};
+use crate::library::Library;
+use crate::parallel;
+use crate::robot::ik::SrsArm;
+use crate::scene::Scene;
+use crate::superquadric::Superquadric;
+use crate::task::{Workcell, WorkcellError};
+use crate::watch::Watch;
+
+/// Arm angles at which the IK set is sampled: every 15°, with up to eight branches each.
+const ARM_ANGLES: usize = 24;
+/// Segments of the meshes whose corners make collision hulls.
+const HULL_SEGMENTS: usize = 24;
+/// A described object this close to a fit gives the fit its name, metres.
+const SAME_OBJECT_M: f64 = 0.08;
+
+/// Robot, obstacles and the object of a request.
+pub(super) fn workcell(
+    scene: &Scene,
+    fits: &FitOutput,
+    clusters: &[Vec<nalgebra::Point3<f64>>],
+    is_dropped: bool,
+    library: &Library,
+) -> Result<Workcell, Refusal> {
+    let robot = library.robot(&scene.robot).map_err(|error| refusal(&error))?;
+    let arm_name = scene.arm.name();
+    let arm_index = robot
+        .arms
+        .iter()
+        .position(|arm| arm.name == arm_name)
+        .ok_or_else(|| refusal(&WorkcellError::NoArm { robot: robot.name.clone(), arm: arm_name.into() }))?;
+    let q_start = robot
+        .posture(&scene.posture)
+        .ok_or_else(|| {
+            refusal(&WorkcellError::NoPosture { robot: robot.name.clone(), posture: scene.posture.clone() })
+        })?
+        .to_vec();
+    let arm = &robot.arms[arm_index];
+    let build = || -> Result<_, WorkcellError> {
+        let ik = SrsArm::of(&robot, arm)?;
+        let model = crate::collision::CollisionModel::new(&robot)?;
+        Ok((ik, model, obstacles(scene, fits, clusters, is_dropped)?))
+    };
+    let (ik, model, world) = build().map_err(|error| refusal(&error))?;
+    let Some(Ok(target)) = fits.fits.get(fits.target) else {
+        return Err(Refusal { message: "the object to grasp has no fit".into(), details: Vec::new() });
+    };
+    let hand = HandModel::new(&robot, arm);
+    Ok(Workcell {
+        model,
+        arm_index,
+        ik,
+        hand,
+        q_start,
+        world,
+        target_O: hull_corners(&target.superquadric),
+        X_WO_start: target.superquadric.X_FS,
+        X_WO_goal: super::goal::goal_pose(scene, &target.superquadric, is_dropped),
+        robot,
+    })
+}
+
+fn refusal(error: &dyn std::error::Error) -> Refusal {
+    Refusal { message: error.to_string(), details: Vec::new() }
+}
+
+/// Corners of a superquadric in its own axes.
+fn hull_corners(superquadric: &Superquadric) -> Vec<nalgebra::Point3<f64>> {
+    Superquadric { X_FS: Isometry3::identity(), ..*superquadric }.mesh(HULL_SEGMENTS).positions
+}
+
+/// Table, known boxes and the other clusters, by their fits or, without one, by their points.
+fn obstacles(
+    scene: &Scene,
+    fits: &FitOutput,
+    clusters: &[Vec<nalgebra::Point3<f64>>],
+    is_dropped: bool,
+) -> Result<World, WorkcellError> {
+    let mut world = World::new();
+    world.add_table(&scene.table)?;
+    if !is_dropped {
+        for obstacle in &scene.obstacles {
+            world.add_obstacle(obstacle)?;
+        }
+    }
+    for (index, fit) in fits.fits.iter().enumerate().filter(|(index, _)| *index != fits.target) {
+        match fit {
+            Ok(fit) => {
+                let X_WS = &fit.superquadric.X_FS;
+                let name = neighbour_name(scene, X_WS, index, is_dropped);
+                world.add_hull(&name, &hull_corners(&fit.superquadric), X_WS)?;
+            }
+            // Points that span no volume cannot be fitted either: there is nothing to hit.
+            Err(_) => {
+                let _ = world.add_hull(&format!("cluster {index}"), &clusters[index], &Isometry3::identity());
+            }
+        }
+    }
+    Ok(world)
+}
+
+/// The described object that stands there, or the number of the cluster.
+fn neighbour_name(scene: &Scene, X_WS: &Isometry3<f64>, index: usize, is_dropped: bool) -> String {
+    let horizontal = |X: &Isometry3<f64>| X.translation.vector.xy();
+    let described = scene
+        .objects
+        .iter()
+        .filter(|_| !is_dropped)
+        .find(|placed| (horizontal(&placed.X_WO) - horizontal(X_WS)).norm() < SAME_OBJECT_M);
+    described.map_or_else(|| format!("cluster {index}"), |placed| placed.object.replace('_', " "))
+}
+
+/// Candidates that the hand alone could take where the object stands.
+pub(super) fn grasp_candidates(
+    cell: &Workcell,
+    target: &Superquadric,
+    settings: &GraspSettings,
+) -> Result<Vec<Grasp>, Refusal> {
+    let hand_checker = |fingers: &[f64]| HandChecker::new(&cell.model, &cell.world, &[], cell.arm_index, fingers);
+    hand_checker(&cell.hand.open).map_err(|error| refusal(&error))?;
+    Ok(candidates(&cell.hand, target, settings, &|X_OH, fingers| {
+        let checker = hand_checker(fingers).ok()?;
+        let hit = checker.first_hit(&(cell.X_WO_start * X_OH))?;
+        Some(HandHit { link: hit.a, other: hit.b })
+    }))
+}
+
+/// Grasps with their IK sets at start and goal: accepted ones first, best first, then the rest in order of generation.
+pub(super) fn ranked(cell: &Workcell, grasps: &[Grasp], watch: Watch<'_>) -> Result<Vec<Grasp>, Refusal> {
+    let goal_supports: Option<Vec<String>> =
+        cell.X_WO_goal.map(|X| cell.supports(&X).into_iter().map(|(name, _)| name).collect());
+    let mut judged = parallel::map(grasps, |grasp| {
+        let mut grasp = grasp.clone();
+        if grasp.is_accepted() && !watch.should_stop() {
+            situate(cell, &mut grasp, goal_supports.as_deref());
+        }
+        grasp
+    });
+    if watch.should_stop() {
+        return Err(Refusal { message: "stopped".into(), details: Vec::new() });
+    }
+    judged.sort_by(|l, r| {
+        r.is_accepted()
+            .cmp(&l.is_accepted())
+            .then_with(|| if l.is_accepted() { merit(r).total_cmp(&merit(l)) } else { std::cmp::Ordering::Equal })
+            .then_with(|| l.id.cmp(&r.id))
+    });
+    Ok(judged)
+}
+
+/// What grasps are ranked by: m_g at the goal, or at the start when there is no goal (thesis 5.1).
+fn merit(grasp: &Grasp) -> f64 {
+    grasp.goal.as_ref().or(grasp.start.as_ref()).map_or(0.0, |situated| situated.m_g)
+}
+
+fn situate(cell: &Workcell, grasp: &mut Grasp, goal_supports: Option<&[String]>) {
+    let q_rest = cell.q_with_fingers(&grasp.closed);
+    let reach =
+        Reach { robot: &cell.robot, arm: cell.arm(), ik: &cell.ik, q_rest: &q_rest, arm_angles: ARM_ANGLES };
+    let at = |X_WO: &Isometry3<f64>, checker: Result<crate::collision::Checker, _>| -> Situated {
+        let checker = match checker {
+            Ok(checker) => checker,
+            Err(error) => return Situated { rejected: vec![(error.to_string(), 1)], ..Situated::default() },
+        };
+        let mut scratch = Scratch::default();
+        reach.situate(&(X_WO * grasp.X_OH), |q| Workcell::hit_reason(&checker, &mut scratch, q))
+    };
+    let start = at(&cell.X_WO_start, cell.grasping(&cell.X_WO_start, &grasp.closed));
+    let goal = match (start.ik_count > 0, cell.X_WO_goal, goal_supports) {
+        (true, Some(X_WO_goal), Some(supports)) => {
+            Some(at(&X_WO_goal, cell.carrying(&grasp.X_OH, &grasp.closed, supports)))
+        }
+        _ => None,
+    };
+    if start.ik_count == 0 {
+        grasp.status = GraspStatus::NoIkAtStart { reason: start.main_reason() };
+    } else if let Some(goal) = goal.as_ref().filter(|goal| goal.ik_count == 0) {
+        grasp.status = GraspStatus::NoIkAtGoal { reason: goal.main_reason() };
+    }
+    (grasp.start, grasp.goal) = (Some(start), goal);
+}

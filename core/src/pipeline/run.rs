@@ -1,0 +1,133 @@
+//! Running a request stage by stage.
+
+use std::sync::Arc;
+
+use super::memory::{Memory, text};
+use super::{perceive, rank};
+use crate::grasp::{Grasp, GraspSettings};
+use crate::job::{
+    FitOutput, GraspsOutput, Output, RankOutput, Refusal, Request, SceneOutput, SegmentOutput, Stage, Update,
+};
+use crate::library::Library;
+use crate::task::{MotionSettings, PickAndPlace, Plan, Workcell, plan_pick_and_place};
+use crate::watch::Watch;
+
+/// Runs requests and remembers what each stage gave last.
+pub struct Pipeline {
+    library: Arc<Library>,
+    scene: Memory<SceneOutput>,
+    segment: Memory<SegmentOutput>,
+    fit: Memory<FitOutput>,
+    grasps: Memory<(Workcell, Vec<Grasp>)>,
+    rank: Memory<Vec<Grasp>>,
+    plan: Memory<Plan>,
+}
+
+impl Pipeline {
+    /// A pipeline with an empty memory.
+    pub fn new(library: Arc<Library>) -> Self {
+        Self {
+            library,
+            scene: Memory::default(),
+            segment: Memory::default(),
+            fit: Memory::default(),
+            grasps: Memory::default(),
+            rank: Memory::default(),
+            plan: Memory::default(),
+        }
+    }
+
+    /// Runs a request to its last stage and tells `emit` what happens, ending with [`Update::Finished`].
+    ///
+    /// The answer depends on the request alone. Times are read from the watch's clock.
+    pub fn run(&mut self, request: &Request, watch: &Watch<'_>, emit: &mut dyn FnMut(Update)) {
+        let revision = request.revision;
+        for stage in Stage::ALL.into_iter().take_while(|stage| *stage <= request.last) {
+            if watch.should_stop() {
+                break;
+            }
+            emit(Update::Progress { revision, stage, fraction: 0.0, note: stage.title().to_owned() });
+            let started = watch.now_ms();
+            match self.stage(request, stage, *watch) {
+                Ok(output) => {
+                    let elapsed_ms = watch.now_ms() - started;
+                    emit(Update::Done { revision, elapsed_ms, output: Box::new(output) });
+                }
+                Err(refusal) => {
+                    emit(Update::Refused { revision, stage, refusal });
+                    break;
+                }
+            }
+        }
+        emit(Update::Finished { revision });
+    }
+
+    /// The output of one stage; earlier stages are in memory already or are computed now.
+    fn stage(&mut self, request: &Request, stage: Stage, watch: Watch<'_>) -> Result<Output, Refusal> {
+        let (scene, dropped) = (&request.scene, request.cloud.as_ref());
+        let library = &self.library;
+
+        let mut inputs = vec![
+            text(&(&scene.table, &scene.objects, &scene.obstacles, &scene.X_WC, scene.seed)),
+            // A file is known by its name, length and content.
+            dropped.map_or_else(String::new, |file| format!("{} {} {:x}", file.name, file.bytes.len(), digest(&file.bytes))),
+        ];
+        if dropped.is_some() {
+            inputs.push(text(&scene.segment));
+        }
+        let seen =
+            self.scene.get(inputs.clone(), || perceive::scene_output(scene, dropped, library, watch))?;
+        if stage == Stage::Scene {
+            return Ok(Output::Scene(seen.clone()));
+        }
+
+        inputs.push(text(&(&scene.segment, request.cluster, scene.task.object())));
+        let segments = self.segment.get(inputs.clone(), || {
+            perceive::segment_output(scene, seen, dropped.is_some(), request.cluster, watch)
+        })?;
+        if stage == Stage::Segment {
+            return Ok(Output::Segment(segments.clone()));
+        }
+
+        inputs.push(text(&scene.fit));
+        let fits = self.fit.get(inputs.clone(), || perceive::fit_output(scene, seen, segments, watch))?;
+        if stage == Stage::Fit {
+            return Ok(Output::Fit(fits.clone()));
+        }
+
+        inputs.push(text(&(&scene.robot, scene.arm, &scene.posture, &scene.task)));
+        let (cell, grasps) = self.grasps.get(inputs.clone(), || {
+            let cell = rank::workcell(scene, fits, &segments.clusters, dropped.is_some(), library)?;
+            let Some(Ok(target)) = fits.fits.get(fits.target) else {
+                return Err(Refusal { message: "the object to grasp has no fit".into(), details: Vec::new() });
+            };
+            let grasps = rank::grasp_candidates(&cell, &target.superquadric, &GraspSettings::default())?;
+            Ok((cell, grasps))
+        })?;
+        if stage == Stage::Grasps {
+            return Ok(Output::Grasps(GraspsOutput {
+                grasps: grasps.clone(),
+                X_WO_start: cell.X_WO_start,
+                X_WO_goal: cell.X_WO_goal,
+            }));
+        }
+
+        let ranked = self.rank.get(inputs.clone(), || rank::ranked(cell, grasps, watch))?;
+        let accepted = ranked.iter().filter(|grasp| grasp.is_accepted()).count();
+        if stage == Stage::Rank {
+            return Ok(Output::Rank(RankOutput { grasps: ranked.clone(), accepted }));
+        }
+
+        inputs.push(text(&request.grasp));
+        let plan = self.plan.get(inputs, || {
+            let task = PickAndPlace { cell: cell, ranked, chosen: request.grasp, seed: scene.seed };
+            plan_pick_and_place(&task, &MotionSettings::default(), watch)
+        })?;
+        Ok(Output::Plan(Box::new(plan.clone())))
+    }
+}
+
+/// FNV-1a: tells two files of one name and length apart.
+fn digest(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| (hash ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3))
+}

@@ -1,0 +1,130 @@
+//! Everything that ranking and planning share: robot, arm, obstacles, and the object at its start and goal.
+
+use std::sync::Arc;
+
+use nalgebra::{Isometry3, Point3};
+
+use crate::collision::{CarriedObject, Checker, CollisionError, CollisionModel, Hit, MayTouch, Party, Scratch, World};
+use crate::grasp::HandModel;
+use crate::robot::ik::{NotSrs, SrsArm};
+use crate::robot::{Arm, Robot};
+
+/// What reasons call the object that is grasped.
+pub const TARGET: &str = "object";
+/// Open fingers may dip this far into the hull of the target, metres: the error of a good fit.
+const OPEN_FINGER_DEPTH_M: f64 = 0.002;
+/// How far the object may sink into what it stands on, metres: a fit's bottom is known to about a centimetre.
+const REST_DEPTH_M: f64 = 0.012;
+
+/// One arm of a robot in front of a scene, with one object to handle.
+pub struct Workcell {
+    /// The robot.
+    pub robot: Arc<Robot>,
+    /// Its bodies.
+    pub model: CollisionModel,
+    /// Index of the acting arm in [`Robot::arms`].
+    pub arm_index: usize,
+    /// Inverse kinematics of that arm.
+    pub ik: SrsArm,
+    /// Its hand.
+    pub hand: HandModel,
+    /// All joints before anything moves.
+    pub q_start: Vec<f64>,
+    /// Obstacles, the object itself left out.
+    pub world: World,
+    /// Corners of the object in its frame O, metres.
+    pub target_O: Vec<Point3<f64>>,
+    /// Pose of O in the world where the object stands now.
+    pub X_WO_start: Isometry3<f64>,
+    /// Pose of O where it shall be put, if anywhere.
+    pub X_WO_goal: Option<Isometry3<f64>>,
+}
+
+/// Why a workcell cannot be set up.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum WorkcellError {
+    /// The robot has no such arm.
+    #[error("{robot} has no {arm} arm")]
+    NoArm { robot: String, arm: String },
+    /// The robot has no such posture.
+    #[error("{robot} has no posture {posture:?}")]
+    NoPosture { robot: String, posture: String },
+    /// The arm cannot be solved in closed form.
+    #[error("the arm has no closed-form inverse kinematics: {0}")]
+    Ik(#[from] NotSrs),
+    /// A body makes no sense.
+    #[error(transparent)]
+    Collision(#[from] CollisionError),
+}
+
+impl Workcell {
+    /// The arm that acts.
+    pub fn arm(&self) -> &Arm {
+        &self.robot.arms[self.arm_index]
+    }
+
+    /// All joints with the hand's fingers at these positions.
+    pub fn q_with_fingers(&self, fingers: &[f64]) -> Vec<f64> {
+        let mut q = self.q_start.clone();
+        for (&dof, &position) in self.arm().hand.fingers.iter().flatten().zip(fingers) {
+            q[dof] = position;
+        }
+        q
+    }
+
+    /// Checker of the open hand on its way to or from the object, which stands at `X_WO`.
+    ///
+    /// # Errors
+    /// [`CollisionError`] when the object's hull has no volume.
+    pub fn approaching(&self, X_WO: &Isometry3<f64>) -> Result<Checker, CollisionError> {
+        self.beside_object(X_WO, &self.hand.open, OPEN_FINGER_DEPTH_M)
+    }
+
+    /// Checker of the closed hand at the object, which stands at `X_WO`: the hand may touch it.
+    ///
+    /// # Errors
+    /// As [`Workcell::approaching`].
+    pub fn grasping(&self, X_WO: &Isometry3<f64>, fingers: &[f64]) -> Result<Checker, CollisionError> {
+        self.beside_object(X_WO, fingers, f64::INFINITY)
+    }
+
+    fn beside_object(&self, X_WO: &Isometry3<f64>, fingers: &[f64], depth_m: f64) -> Result<Checker, CollisionError> {
+        let mut world = self.world.clone();
+        world.add_hull(TARGET, &self.target_O, X_WO)?;
+        let links = &self.arm().hand.links;
+        let contact = |&link: &usize| MayTouch { a: Party::Link(link), b: Party::Obstacle(TARGET.into()), depth_m };
+        let may_touch: Vec<MayTouch> = links.iter().map(contact).collect();
+        Checker::for_arm(&self.model, &world, None, &may_touch, self.arm_index, &self.q_with_fingers(fingers))
+    }
+
+    /// Checker of the hand that carries the object; `resting` names what the object may stand on.
+    ///
+    /// # Errors
+    /// As [`Workcell::approaching`].
+    pub fn carrying(
+        &self,
+        X_OH: &Isometry3<f64>,
+        fingers: &[f64],
+        resting: &[String],
+    ) -> Result<Checker, CollisionError> {
+        let carried =
+            CarriedObject::from_points(TARGET, &self.target_O, &X_OH.inverse(), &self.robot, self.arm_index)?;
+        let may_touch: Vec<MayTouch> = resting.iter().map(|name| MayTouch::carried(name, REST_DEPTH_M)).collect();
+        let q_rest = self.q_with_fingers(fingers);
+        Checker::for_arm(&self.model, &self.world, Some(&carried), &may_touch, self.arm_index, &q_rest)
+    }
+
+    /// Names of everything that the object touches, or nearly so, when it stands at `X_WO`, deepest first.
+    pub fn supports(&self, X_WO: &Isometry3<f64>) -> Vec<(String, f64)> {
+        let corners: Vec<Point3<f64>> = self.target_O.iter().map(|p| X_WO * p).collect();
+        let mut supports = self.world.touched_by(&corners, 2.0 * REST_DEPTH_M);
+        supports.sort_by(|l, r| l.1.total_cmp(&r.1).then_with(|| l.0.cmp(&r.0)));
+        supports
+    }
+
+    /// What a configuration of the arm runs into, in a few words.
+    pub fn hit_reason(checker: &Checker, scratch: &mut Scratch, q: &[f64]) -> Option<String> {
+        checker.first_hit(scratch, q).map(|Hit { a, b }| format!("{a} hits {b}"))
+    }
+}
