@@ -1,31 +1,32 @@
-//! Point clouds: reading, voxel grids, normals and the synthetic RGB-D camera.
+//! Point clouds: reading and writing, voxel grids and the synthetic RGB-D camera.
+//!
+//! [`read_cloud`] takes the bytes of a PCD, PLY or XYZ file, [`write_pcd`] and [`write_ply`] give them back.
+//! [`RgbdCamera`] sees a scene of meshes as a depth sensor would: partial, noisy, quantised. What is not here: meshes
+//! as input, depth images, normals of points (the segmentation and the fit need none).
 
-use nalgebra::{Isometry3, Point3};
-use serde::{Deserialize, Serialize};
+mod camera;
+mod error;
+mod noise;
+mod packed;
+mod pcd;
+mod pcd_header;
+mod pcd_write;
+mod ply;
+mod ply_header;
+mod ply_write;
+mod point_cloud;
+mod raster;
+mod read;
+mod scalar;
+mod sensor;
+mod voxel;
+mod xyz;
 
-/// A cloud of finite points in metres, in one frame F that its owner names.
-///
-/// Points that are not finite are dropped and counted where the file is read, so no later loop meets one. An
-/// organised cloud keeps the pixel of each point instead of holes.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct PointCloud {
-    /// Finite points in F, metres.
-    pub points: Vec<Point3<f64>>,
-    /// One sRGB colour per point, or empty.
-    pub colors: Vec<[u8; 3]>,
-    /// Where each point stands in the sensor's image, when the cloud is organised.
-    pub grid: Option<PixelGrid>,
-    /// Pose of the sensor's optical frame C (x right, y down, z forward) in F; `None` when the file does not say.
-    pub X_FC: Option<Isometry3<f64>>,
-}
-
-/// The image an organised cloud came from.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct PixelGrid {
-    /// Columns.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-    /// Row-major pixel index of each point, ascending.
-    pub pixels: Vec<u32>,
-}
+pub use camera::{RgbdCamera, SeenBody, View};
+pub use error::CloudError;
+pub use noise::DepthNoise;
+pub use pcd_write::{PcdEncoding, write_pcd};
+pub use ply_write::{PlyEncoding, write_ply};
+pub use point_cloud::{PixelGrid, PointCloud};
+pub use read::{MAX_COORDINATE_M, MAX_POINTS, read_cloud};
+pub use voxel::voxel_centroids;
