@@ -1,0 +1,92 @@
+//! What a hand carries, and which contacts are intended.
+
+use std::sync::Arc;
+
+use nalgebra::{Isometry3, Point3, Vector3};
+
+use super::model::CollisionError;
+use super::parry::hull_corners;
+use super::solid::{Core, Solid};
+use crate::robot::Robot;
+
+/// A convex object O that is fixed to a hand frame H.
+#[derive(Clone, Debug)]
+pub struct CarriedObject {
+    pub(crate) name: String,
+    pub(crate) tcp_link: usize,
+    pub(crate) solid_H: Solid,
+    pub(crate) touching: Vec<usize>,
+}
+
+impl CarriedObject {
+    /// The hull of points given in O, metres, carried by an arm of the robot; all links of its hand may touch it.
+    ///
+    /// * `arm`: index into [`Robot::arms`].
+    /// * `X_HO`: pose of the object in the hand frame.
+    ///
+    /// # Errors
+    /// [`CollisionError`] if there is no such arm, or the points are not finite or span no volume.
+    pub fn from_points(
+        name: &str,
+        points_O: &[Point3<f64>],
+        X_HO: &Isometry3<f64>,
+        robot: &Robot,
+        arm: usize,
+    ) -> Result<Self, CollisionError> {
+        let hand = &robot.arms.get(arm).ok_or(CollisionError::NoSuchArm { found: arm, arms: robot.arms.len() })?.hand;
+        Ok(Self {
+            name: name.to_owned(),
+            tcp_link: hand.tcp_link,
+            solid_H: Solid::new(hull(name, points_O.iter().map(|p| p.coords))?, 0.0, X_HO),
+            touching: hand.links.clone(),
+        })
+    }
+}
+
+/// A hull from points that must be finite and span a volume.
+pub(crate) fn hull(name: &str, points: impl Iterator<Item = Vector3<f64>>) -> Result<Core, CollisionError> {
+    let points: Vec<Vector3<f64>> = points.collect();
+    if let Some(index) = points.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+        return Err(CollisionError::PointNotFinite { thing: name.to_owned(), index });
+    }
+    let corners =
+        hull_corners(&points).ok_or_else(|| CollisionError::NoVolume { thing: name.to_owned(), points: points.len() })?;
+    Ok(Core::Hull { points: Arc::from(corners) })
+}
+
+/// One side of an intended contact.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Party {
+    /// A link of the robot, by index.
+    Link(usize),
+    /// An obstacle of the world, by name; a name that is not in the world is ignored.
+    Obstacle(String),
+    /// The carried object.
+    Carried,
+}
+
+/// A contact that is intended: the two may touch, down to a depth.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MayTouch {
+    /// One of them.
+    pub a: Party,
+    /// The other.
+    pub b: Party,
+    /// How far one may sink into the other, metres; infinity means that the pair is not looked at.
+    pub depth_m: f64,
+}
+
+impl MayTouch {
+    /// All links of a hand may touch an obstacle: fingers around the object that they are about to grasp.
+    pub fn hand(robot: &Robot, arm: usize, obstacle: &str) -> Vec<Self> {
+        let links = robot.arms.get(arm).map(|arm| arm.hand.links.as_slice()).unwrap_or_default();
+        let contact =
+            |&link| Self { a: Party::Link(link), b: Party::Obstacle(obstacle.to_owned()), depth_m: f64::INFINITY };
+        links.iter().map(contact).collect()
+    }
+
+    /// The carried object may rest on an obstacle: noise of a fit sinks it by a few millimetres.
+    pub fn carried(obstacle: &str, depth_m: f64) -> Self {
+        Self { a: Party::Carried, b: Party::Obstacle(obstacle.to_owned()), depth_m }
+    }
+}

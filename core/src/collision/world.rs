@@ -1,0 +1,143 @@
+//! Named obstacles that stand still.
+
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+
+use super::model::CollisionError;
+use super::setup::hull;
+use super::solid::{Core, Solid};
+use crate::scene::{Obstacle, TableTop};
+
+/// Obstacles in the world frame W, each with the name that reasons use.
+#[derive(Clone, Debug, Default)]
+pub struct World {
+    pub(crate) obstacles: Vec<WorldBody>,
+}
+
+/// One convex obstacle.
+#[derive(Clone, Debug)]
+pub(crate) struct WorldBody {
+    pub(crate) name: String,
+    pub(crate) solid_W: Solid,
+}
+
+impl World {
+    /// An empty world.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Names of the obstacles in the order in which they were added.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.obstacles.iter().map(|obstacle| obstacle.name.as_str())
+    }
+
+    /// A box with these edge lengths, metres, its centre at `X_WB`.
+    ///
+    /// # Errors
+    /// [`CollisionError::BadSize`] if a length is not finite or not greater than 0.
+    pub fn add_box(
+        &mut self,
+        name: &str,
+        size_m: Vector3<f64>,
+        X_WB: &Isometry3<f64>,
+    ) -> Result<(), CollisionError> {
+        for edge in size_m.iter() {
+            positive(name, "box edge", *edge)?;
+        }
+        self.push(name, Core::Box { half: 0.5 * size_m }, X_WB)
+    }
+
+    /// A cylinder along z of its frame, centred at `X_WB`, metres.
+    ///
+    /// # Errors
+    /// [`CollisionError::BadSize`] if radius or length is not finite or not greater than 0.
+    pub fn add_cylinder(
+        &mut self,
+        name: &str,
+        radius_m: f64,
+        length_m: f64,
+        X_WB: &Isometry3<f64>,
+    ) -> Result<(), CollisionError> {
+        positive(name, "cylinder radius", radius_m)?;
+        positive(name, "cylinder length", length_m)?;
+        self.push(name, Core::Cylinder { radius: radius_m, half_length: 0.5 * length_m }, X_WB)
+    }
+
+    /// The convex hull of points given in the frame O, metres, standing at `X_WO`: a fitted superquadric's mesh, a
+    /// cluster.
+    ///
+    /// # Errors
+    /// [`CollisionError`] if a point is not finite or the points span no volume.
+    pub fn add_hull(
+        &mut self,
+        name: &str,
+        points_O: &[Point3<f64>],
+        X_WO: &Isometry3<f64>,
+    ) -> Result<(), CollisionError> {
+        let core = hull(name, points_O.iter().map(|p| p.coords))?;
+        self.push(name, core, X_WO)
+    }
+
+    /// The slab of a table, named `table`.
+    ///
+    /// # Errors
+    /// [`CollisionError::BadSize`] if an extent is not finite or not greater than 0.
+    pub fn add_table(&mut self, table: &TableTop) -> Result<(), CollisionError> {
+        let size_m = Vector3::new(table.size_m[0], table.size_m[1], table.thickness_m);
+        let center = Vector3::new(table.center_m[0], table.center_m[1], table.height_m - 0.5 * table.thickness_m);
+        self.add_box("table", size_m, &Isometry3::from_parts(Translation3::from(center), UnitQuaternion::identity()))
+    }
+
+    /// A known box of the scene.
+    ///
+    /// # Errors
+    /// As [`World::add_box`].
+    pub fn add_obstacle(&mut self, obstacle: &Obstacle) -> Result<(), CollisionError> {
+        self.add_box(&obstacle.name, obstacle.size_m, &obstacle.X_WB)
+    }
+
+    /// Takes an obstacle out, for instance because it was picked up; whether there was one of this name.
+    pub fn remove(&mut self, name: &str) -> bool {
+        let before = self.obstacles.len();
+        self.obstacles.retain(|obstacle| obstacle.name != name);
+        self.obstacles.len() < before
+    }
+
+    fn push(&mut self, name: &str, core: Core, X_WB: &Isometry3<f64>) -> Result<(), CollisionError> {
+        if !X_WB.translation.vector.iter().chain(X_WB.rotation.coords.iter()).all(|x| x.is_finite()) {
+            return Err(CollisionError::PoseNotFinite { thing: name.to_owned() });
+        }
+        self.obstacles.push(WorldBody { name: name.to_owned(), solid_W: Solid::new(core, 0.0, X_WB) });
+        Ok(())
+    }
+}
+
+/// Checks that a size is finite and greater than 0.
+pub(crate) fn positive(thing: &str, what: &'static str, found: f64) -> Result<(), CollisionError> {
+    if found.is_finite() && found > 0.0 {
+        Ok(())
+    } else {
+        Err(CollisionError::BadSize { thing: thing.to_owned(), what, found })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_and_points_that_make_no_body_are_refused_by_name() {
+        let mut world = World::new();
+        let here = Isometry3::identity();
+        assert!(matches!(
+            world.add_box("crate", Vector3::new(0.1, 0.0, 0.1), &here),
+            Err(CollisionError::BadSize { thing, found: 0.0, .. }) if thing == "crate"
+        ));
+        assert!(world.add_cylinder("can", f64::NAN, 0.1, &here).is_err());
+        let flat: Vec<_> = (0..4).map(|k| Point3::new(f64::from(k % 2), f64::from(k / 2), 0.0)).collect();
+        assert!(matches!(world.add_hull("leaf", &flat, &here), Err(CollisionError::NoVolume { points: 4, .. })));
+        let bad = [Point3::new(0.0, f64::INFINITY, 0.0)];
+        assert!(matches!(world.add_hull("leaf", &bad, &here), Err(CollisionError::PointNotFinite { index: 0, .. })));
+        assert_eq!(world.names().count(), 0);
+    }
+}
