@@ -169,7 +169,7 @@ impl Composer {
         if self.fits.len() > 64 {
             self.fits.clear();
         }
-        let mesh = Arc::new(shape.mesh(48));
+        let mesh = Arc::new(shape.mesh_in_axes(12));
         self.fits.push((shape, mesh.clone()));
         mesh
     }

@@ -143,7 +143,7 @@ fn labels(input: &ComposeInput<'_>, content: &Content<'_>) -> Vec<Label> {
 
 fn top_of(fit: &endcomfort_core::fit::Fit, X_WS: &Isometry3<f64>) -> Point3<f64> {
     let posed = endcomfort_core::superquadric::Superquadric { X_FS: *X_WS, ..fit.superquadric };
-    let top = posed.bounding_box().1.z;
+    let top = X_WS.translation.z + posed.half_extents().z;
     Point3::new(X_WS.translation.x, X_WS.translation.y, top + 0.015)
 }
 

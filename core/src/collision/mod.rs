@@ -21,6 +21,7 @@ mod parry;
 mod query;
 mod setup;
 mod solid;
+mod touching;
 #[cfg(test)]
 pub(crate) mod testing;
 mod world;

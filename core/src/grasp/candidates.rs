@@ -4,15 +4,15 @@ use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaterni
 use serde::{Deserialize, Serialize};
 
 use super::{Contact, Grasp, GraspStatus, HandModel, close, quality};
-use crate::superquadric::{Superquadric, SurfacePoint};
-use crate::{parallel, superquadric};
+use crate::parallel;
+use crate::superquadric::{Superquadric, SurfaceSample};
 
 /// Settings of the grasp synthesis.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct GraspSettings {
-    /// Surface samples from which candidates start; each gives up to four.
-    pub samples: usize,
+    /// Density N of the surface samples from which candidates start (about N²/π of them); each gives up to four.
+    pub density: u32,
     /// Gap left between the palm and the object in a power grasp, metres.
     pub palm_gap_m: f64,
     /// How far the TCP dips below the surface in a fingertip grasp, metres.
@@ -23,7 +23,7 @@ pub struct GraspSettings {
 
 impl Default for GraspSettings {
     fn default() -> Self {
-        Self { samples: 110, palm_gap_m: 0.008, fingertip_depth_m: 0.010, min_contacts: 3 }
+        Self { density: 18, palm_gap_m: 0.008, fingertip_depth_m: 0.010, min_contacts: 3 }
     }
 }
 
@@ -35,8 +35,8 @@ pub struct HandHit {
     pub other: String,
 }
 
-/// Samples of a dense cloud over the object, from which widths are read.
-const WIDTH_SAMPLES: usize = 900;
+/// Density of the samples from which widths are read: about 900 over the object.
+const WIDTH_DENSITY: u32 = 53;
 /// Half thickness of the slice in which the width across the fingers is read, metres: half a three-finger hand.
 const SLICE_HALF_M: f64 = 0.045;
 /// An open hand may dip this far into the fitted surface, metres: below what a fit can be trusted.
@@ -55,9 +55,10 @@ pub fn candidates(
     hand_hit: &(dyn Fn(&Isometry3<f64>, &[f64]) -> Option<HandHit> + Sync),
 ) -> Vec<Grasp> {
     let object = &Superquadric { X_FS: Isometry3::identity(), ..*object };
-    let dense = superquadric::sample_uniform(object, WIDTH_SAMPLES);
+    let dense = object.samples(WIDTH_DENSITY);
     let shape = Shape { object, dense: &dense, opening_m: hand.opening_m(), palm_depth_m: hand.palm_depth_m() };
-    let poses: Vec<Isometry3<f64>> = superquadric::sample_uniform(object, settings.samples)
+    let poses: Vec<Isometry3<f64>> = object
+        .samples(settings.density)
         .iter()
         .flat_map(|sample| poses_at(sample, &shape, settings))
         .collect();
@@ -67,14 +68,14 @@ pub fn candidates(
 
 struct Shape<'a> {
     object: &'a Superquadric,
-    dense: &'a [SurfacePoint],
+    dense: &'a [SurfaceSample],
     opening_m: f64,
     palm_depth_m: f64,
 }
 
 /// Up to four hand poses at a sample: two senses of x_H, two depths.
-fn poses_at(sample: &SurfacePoint, shape: &Shape<'_>, settings: &GraspSettings) -> Vec<Isometry3<f64>> {
-    let z_H = -sample.normal;
+fn poses_at(sample: &SurfaceSample, shape: &Shape<'_>, settings: &GraspSettings) -> Vec<Isometry3<f64>> {
+    let z_H = -sample.n_F;
     let object = shape.object;
     let mut axes = [(object.a, Vector3::x()), (object.b, Vector3::y()), (object.c, Vector3::z())];
     axes.sort_by(|l, r| l.0.total_cmp(&r.0));
@@ -89,7 +90,7 @@ fn poses_at(sample: &SurfacePoint, shape: &Shape<'_>, settings: &GraspSettings) 
         for sense in [1.0, -1.0] {
             let x = x_H * sense;
             let R = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, z_H.cross(&x), z_H]));
-            let p = sample.point + sample.normal * offset;
+            let p = sample.p_F + sample.n_F * offset;
             poses.push(Isometry3::from_parts(Translation3::from(p), UnitQuaternion::from_rotation_matrix(&R)));
         }
     }
@@ -164,7 +165,7 @@ fn centred(X_OH: &Isometry3<f64>, hand: &HandModel, shape: &Shape<'_>) -> (Isome
         .fold(f64::NEG_INFINITY, f64::max);
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for sample in shape.dense {
-        let p_H = X_OH.inverse_transform_point(&sample.point);
+        let p_H = X_OH.inverse_transform_point(&sample.p_F);
         if p_H.y.abs() < SLICE_HALF_M && p_H.z > -shape.palm_depth_m && p_H.z < reach {
             low = low.min(p_H.x);
             high = high.max(p_H.x);

@@ -94,8 +94,8 @@ pub fn contacts(hand: &HandModel, positions: &[f64], X_OH: &Isometry3<f64>, obje
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
         let first = contacts.len();
         for (_, p_O) in near {
-            let Some(n_O) = object.outward_normal(&p_O) else { continue };
-            let surface = p_O - n_O * object.signed_distance(&p_O);
+            let (distance_m, n_O) = object.signed_distance_and_normal(&p_O);
+            let surface = p_O - n_O * distance_m;
             let taken: &[Contact] = &contacts[first..];
             if taken.len() < CONTACTS_PER_LINK
                 && taken.iter().all(|c| (c.p_O - surface).norm() >= CONTACT_SPACING_M)

@@ -22,7 +22,7 @@ pub(super) fn goal_pose(scene: &Scene, fitted: &Superquadric, is_dropped: bool) 
     } else {
         X_WO_goal * X_WO_start.inverse() * X_WS
     };
-    let lowest = Superquadric { X_FS: moved, ..*fitted }.bounding_box().0.z;
+    let lowest = moved.translation.z - Superquadric { X_FS: moved, ..*fitted }.half_extents().z;
     let lift = support_height(scene, &moved) + SETTLE_GAP_M - lowest;
     Some(Translation3::new(0.0, 0.0, lift) * moved)
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
-use crate::cloud::{PointCloud, RgbdCamera, read_cloud};
+use crate::cloud::{PointCloud, RgbdCamera, SeenBody, read_cloud};
 use crate::fit::{FitInput, fit};
 use crate::job::{DroppedCloud, FitOutput, Refusal, SceneOutput, SegmentOutput};
 use crate::library::Library;
@@ -31,18 +31,20 @@ pub fn synthetic_cloud(scene: &Scene, library: &Library, seed: u64) -> Result<Po
     let table = &scene.table;
     let center =
         Translation3::new(table.center_m[0], table.center_m[1], table.height_m - 0.5 * table.thickness_m);
-    let mut bodies: Vec<(Mesh, Isometry3<f64>, [u8; 3])> = vec![(
+    let mut meshes: Vec<(Mesh, Isometry3<f64>, [u8; 3])> = vec![(
         box_mesh(Vector3::new(table.size_m[0], table.size_m[1], table.thickness_m)),
         Isometry3::from_parts(center, UnitQuaternion::identity()),
         TABLE_COLOR,
     )];
     for obstacle in &scene.obstacles {
-        bodies.push((box_mesh(obstacle.size_m), obstacle.X_WB, OBSTACLE_COLOR));
+        meshes.push((box_mesh(obstacle.size_m), obstacle.X_WB, OBSTACLE_COLOR));
     }
     for placed in &scene.objects {
         let object = library.object(&placed.object).map_err(|error| refused(error.to_string()))?;
-        bodies.push((object.mesh(), placed.X_WO, object.color));
+        meshes.push((object.mesh(), placed.X_WO, object.color));
     }
+    let bodies: Vec<SeenBody<'_>> =
+        meshes.iter().map(|(mesh, X_WM, color)| SeenBody { mesh, X_WM: *X_WM, color: *color }).collect();
     Ok(RgbdCamera::default().render(&bodies, &scene.X_WC, seed).cloud)
 }
 

@@ -15,8 +15,8 @@ use crate::watch::Watch;
 
 /// Arm angles at which the IK set is sampled: every 15°, with up to eight branches each.
 const ARM_ANGLES: usize = 24;
-/// Segments of the meshes whose corners make collision hulls.
-const HULL_SEGMENTS: usize = 24;
+/// Resolution of the meshes whose corners make collision hulls: 32 columns, 16 rows.
+const HULL_HALF: u32 = 4;
 /// A described object this close to a fit gives the fit its name, metres.
 const SAME_OBJECT_M: f64 = 0.08;
 
@@ -72,7 +72,7 @@ fn refusal(error: &dyn std::error::Error) -> Refusal {
 
 /// Corners of a superquadric in its own axes.
 fn hull_corners(superquadric: &Superquadric) -> Vec<nalgebra::Point3<f64>> {
-    Superquadric { X_FS: Isometry3::identity(), ..*superquadric }.mesh(HULL_SEGMENTS).positions
+    superquadric.mesh_in_axes(HULL_HALF).positions
 }
 
 /// Table, known boxes and the other clusters, by their fits or, without one, by their points.
@@ -134,7 +134,7 @@ pub(super) fn grasp_candidates(
 /// Grasps with their IK sets at start and goal: accepted ones first, best first, then the rest in order of generation.
 pub(super) fn ranked(cell: &Workcell, grasps: &[Grasp], watch: Watch<'_>) -> Result<Vec<Grasp>, Refusal> {
     let goal_supports: Option<Vec<String>> =
-        cell.X_WO_goal.map(|X| cell.supports(&X).into_iter().map(|(name, _)| name).collect());
+        cell.X_WO_goal.map(|X_WO_goal| cell.supports(&X_WO_goal));
     let mut judged = parallel::map(grasps, |grasp| {
         let mut grasp = grasp.clone();
         if grasp.is_accepted() && !watch.should_stop() {

@@ -1,5 +1,6 @@
 //! Tasks: from an intent ("pick it", "place it there") to a list of timed phases, or a typed refusal.
 
+mod motion;
 mod pick_and_place;
 mod report;
 mod workcell;

@@ -115,12 +115,10 @@ impl Workcell {
         Checker::for_arm(&self.model, &self.world, Some(&carried), &may_touch, self.arm_index, &q_rest)
     }
 
-    /// Names of everything that the object touches, or nearly so, when it stands at `X_WO`, deepest first.
-    pub fn supports(&self, X_WO: &Isometry3<f64>) -> Vec<(String, f64)> {
-        let corners: Vec<Point3<f64>> = self.target_O.iter().map(|p| X_WO * p).collect();
-        let mut supports = self.world.touched_by(&corners, 2.0 * REST_DEPTH_M);
-        supports.sort_by(|l, r| l.1.total_cmp(&r.1).then_with(|| l.0.cmp(&r.0)));
-        supports
+    /// Names of everything that the object rests on, or nearly so, when it stands at `X_WO`.
+    pub fn supports(&self, X_WO: &Isometry3<f64>) -> Vec<String> {
+        let near = self.world.near_hull(&self.target_O, X_WO, REST_DEPTH_M).unwrap_or_default();
+        near.into_iter().map(|(name, _)| name).collect()
     }
 
     /// What a configuration of the arm runs into, in a few words.

@@ -1,0 +1,195 @@
+//! Moving the arm: straight ways of the hand, searched ways of the joints, and their timing.
+
+use nalgebra::{Isometry3, Translation3, Vector3};
+
+use super::pick_and_place::MotionSettings;
+use super::{PhaseKind, Workcell};
+use crate::collision::{Checker, Scratch};
+use crate::plan::{
+    ArmSpace, BirrtSettings, CartesianSettings, CartesianStop, MotionLimits, Path, PlanOutcome, ShortcutSettings,
+    StopReason, TimingSettings, Trajectory, follow_poses, plan_path, shorten, straight_line, time_path,
+};
+use crate::robot::ik::IkSet;
+use crate::watch::Watch;
+
+/// Distance between poses on a straight way, metres, and radians.
+const STRAIGHT_STEP_M: f64 = 0.01;
+const STRAIGHT_STEP_RAD: f64 = 0.1;
+/// Arm angles tried to either side of the present one when a straight way is followed, radians.
+const ARM_ANGLE_STEPS: [f64; 7] = [0.0, 0.04, -0.04, 0.1, -0.1, 0.2, -0.2];
+
+/// One phase of a plan before its start time is known.
+pub(super) struct Draft {
+    pub(super) kind: PhaseKind,
+    pub(super) trajectory: Trajectory,
+    pub(super) carries: bool,
+    pub(super) manipulability: Vec<f64>,
+    pub(super) clearance_m: Vec<f64>,
+}
+
+/// Plans single motions of one arm; every failure is a sentence for a person.
+pub(super) struct Mover<'a> {
+    pub(super) cell: &'a Workcell,
+    pub(super) settings: &'a MotionSettings,
+    pub(super) seed: u64,
+    pub(super) watch: Watch<'a>,
+}
+
+impl Mover<'_> {
+    /// The arm's joint space with a checker.
+    pub(super) fn space(&self, checker: Checker) -> Result<ArmSpace, String> {
+        ArmSpace::new(&self.cell.robot, self.cell.arm_index, checker).map_err(|error| error.to_string())
+    }
+
+    /// Straight back along the approach direction, as far as there is room, at least the shortest way that counts.
+    pub(super) fn back_off(&self, space: &ArmSpace, q: &[f64], X_WH: &Isometry3<f64>) -> Result<Path, String> {
+        let (full, least) = (self.settings.approach_m, self.settings.min_approach_m);
+        let mut reason = String::new();
+        for length_m in [full, 0.5 * (full + least), least] {
+            let X_WH_end = X_WH * Translation3::new(0.0, 0.0, -length_m);
+            match self.straight(space, q, X_WH, &X_WH_end) {
+                Ok(path) => return Ok(path),
+                Err(blocked) => reason = blocked,
+            }
+        }
+        Err(reason)
+    }
+
+    /// Straight up from the hand pose.
+    pub(super) fn rise(&self, space: &ArmSpace, q: &[f64], X_WH: &Isometry3<f64>) -> Result<Path, String> {
+        let up = Translation3::from(Vector3::z() * self.settings.lift_m);
+        self.straight(space, q, X_WH, &(up * X_WH))
+    }
+
+    fn straight(
+        &self,
+        space: &ArmSpace,
+        q: &[f64],
+        X_WH: &Isometry3<f64>,
+        X_WH_end: &Isometry3<f64>,
+    ) -> Result<Path, String> {
+        let X_WB = self.cell.robot.link_poses(&self.cell.q_start)[self.cell.arm().base_link];
+        let poses = straight_line(X_WH, X_WH_end, STRAIGHT_STEP_M, STRAIGHT_STEP_RAD);
+        let near_ik = |X_WH: &Isometry3<f64>, near: &[f64]| self.nearest(&X_WB.inv_mul(X_WH), near);
+        follow_poses(space, q, &poses, &near_ik, &CartesianSettings::default()).map_err(|stop| stop_reason(&stop))
+    }
+
+    /// The solution nearest to a configuration, over arm angles near its own.
+    fn nearest(&self, X_BH: &Isometry3<f64>, near: &[f64]) -> Option<Vec<f64>> {
+        let angle = self.cell.ik.arm_angle(near.try_into().ok()?);
+        let mut found = IkSet::default();
+        for step in ARM_ANGLE_STEPS {
+            self.cell.ik.solve_into(X_BH, angle + step, &mut found);
+        }
+        let farthest = |q: &[f64]| q.iter().zip(near).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let nearest = found.solutions.iter().min_by(|l, r| farthest(&l.q).total_cmp(&farthest(&r.q)))?;
+        Some(nearest.q.to_vec())
+    }
+
+    /// A searched and shortened way to any of the goals, and which one it is.
+    pub(super) fn search(
+        &self,
+        space: &ArmSpace,
+        start: &[f64],
+        goals: &[Vec<f64>],
+    ) -> Result<(Path, usize), String> {
+        match plan_path(space, start, goals, &BirrtSettings::default(), self.seed, &self.watch) {
+            PlanOutcome::Found(found) => {
+                let shortened = shorten(space, &found.path, &ShortcutSettings::default(), self.seed, &self.watch);
+                Ok((shortened, found.goal))
+            }
+            PlanOutcome::StartInvalid { fault } => Err(format!("the start posture: {fault}")),
+            PlanOutcome::StartInCollision { pair } => Err(format!("in the start posture {} hits {}", pair.a, pair.b)),
+            PlanOutcome::GoalsInvalid { count, .. } => Err(format!("none of {count} goals is within the joint limits")),
+            PlanOutcome::GoalsInCollision { first, count } => {
+                Err(format!("at all {count} goals something is hit, first {} {}", first.a, first.b))
+            }
+            PlanOutcome::NoPath { nodes, iterations, nearest_gap_rad } => Err(format!(
+                "no path among {nodes} nodes after {iterations} draws; the trees stayed {nearest_gap_rad:.2} rad apart"
+            )),
+            PlanOutcome::Stopped => Err("stopped".into()),
+        }
+    }
+
+    /// The phase that moves the arm along a path with the fingers at rest.
+    pub(super) fn along(
+        &self,
+        kind: PhaseKind,
+        space: &ArmSpace,
+        path: &Path,
+        fingers: &[f64],
+        carries: bool,
+    ) -> Result<Draft, String> {
+        let limits = MotionLimits::of(space, self.cell.acceleration_rad_s2());
+        let timing = TimingSettings {
+            velocity_scale: self.settings.velocity_scale,
+            acceleration_scale: self.settings.acceleration_scale,
+            ..TimingSettings::default()
+        };
+        let mut trajectory = time_path(space, path, &limits, &timing).map_err(|error| error.to_string())?;
+        let mut scratch = Scratch::default();
+        let clearance_m =
+            trajectory.positions.iter().map(|q| space.checker.distance(&mut scratch, q).distance_m).collect();
+        let manipulability = self.manipulability(&trajectory, fingers);
+        trajectory.positions.iter_mut().for_each(|q| q.extend_from_slice(fingers));
+        Ok(Draft { kind, trajectory, carries, manipulability, clearance_m })
+    }
+
+    /// The phase that moves the fingers with the arm at rest: from rest to rest, a cubic in time.
+    pub(super) fn fingers(&self, kind: PhaseKind, space: &ArmSpace, q: &[f64], from: &[f64], to: &[f64]) -> Draft {
+        let sample_s = TimingSettings::default().sample_s;
+        let steps = libm::ceil(self.settings.fingers_s / sample_s).max(1.0) as usize;
+        let mut trajectory = Trajectory::default();
+        for k in 0..=steps {
+            let u = k as f64 / steps as f64;
+            let smooth = u * u * (3.0 - 2.0 * u);
+            let fingers = from.iter().zip(to).map(|(a, b)| a + smooth * (b - a));
+            trajectory.times_s.push(k as f64 * sample_s);
+            trajectory.positions.push(q.iter().copied().chain(fingers).collect());
+        }
+        let still = Trajectory { times_s: vec![0.0], positions: vec![q.to_vec()] };
+        let m = self.manipulability(&still, to)[0];
+        let clearance_m = space.checker.distance(&mut Scratch::default(), q).distance_m;
+        let samples = steps + 1;
+        Draft {
+            kind,
+            trajectory,
+            carries: false,
+            manipulability: vec![m; samples],
+            clearance_m: vec![clearance_m; samples],
+        }
+    }
+
+    /// Manipulability of every sample.
+    fn manipulability(&self, trajectory: &Trajectory, fingers: &[f64]) -> Vec<f64> {
+        let (robot, arm) = (&self.cell.robot, self.cell.arm());
+        let mut q_all = self.cell.q_with_fingers(fingers);
+        let mut X_WL = Vec::new();
+        let mut measure = |q: &Vec<f64>| {
+            arm.dofs.iter().zip(q).for_each(|(&dof, &position)| q_all[dof] = position);
+            robot.link_poses_into(&q_all, &mut X_WL);
+            robot.manipulability(arm, &X_WL)
+        };
+        trajectory.positions.iter().map(&mut measure).collect()
+    }
+}
+
+/// A way back along a path.
+pub(super) fn reversed(path: &Path) -> Path {
+    Path { points: path.points.iter().rev().cloned().collect() }
+}
+
+/// One path after the other; the second starts where the first ends.
+pub(super) fn joined(first: &Path, second: &Path) -> Path {
+    Path { points: first.points.iter().chain(second.points.iter().skip(1)).cloned().collect() }
+}
+
+fn stop_reason(stop: &CartesianStop) -> String {
+    let share = 100 * stop.pose / stop.poses.max(1);
+    match &stop.reason {
+        StopReason::Invalid(fault) => fault.to_string(),
+        StopReason::NoIk => format!("out of reach after {share} % of the way"),
+        StopReason::Jump { joint, .. } => format!("{joint} would have to jump after {share} % of the way"),
+        StopReason::Blocked(hit) => format!("{} hits {}", hit.a, hit.b),
+    }
+}

@@ -1,0 +1,256 @@
+//! Pick and place with one arm: reach → close → lift → transport → place → open → retreat (thesis chapter 5).
+//!
+//! Grasps are tried in the order of their rank. For each one the hand's straight ways are found first, since they
+//! allow the least: away from the object before the grasp, up with it afterwards, down at the goal, back when it is
+//! let go. Whatever is then left to do between them is searched by the IK-BiRRT, all ends of the straight ways being
+//! goals. The first phase that cannot be done is the grasp's reason.
+
+use nalgebra::{Isometry3, Translation3};
+
+use super::motion::{Draft, Mover, joined, reversed};
+use super::{Phase, PhaseKind, Plan, Workcell};
+use crate::collision::{Checker, CollisionError};
+use crate::grasp::{Grasp, Situated};
+use crate::job::Refusal;
+use crate::plan::{ArmSpace, Path};
+use crate::watch::Watch;
+
+/// How the robot moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionSettings {
+    /// Straight way of the open hand before the grasp and after letting go, metres.
+    pub approach_m: f64,
+    /// Shortest straight way that still counts, metres.
+    pub min_approach_m: f64,
+    /// Straight way up after the grasp and down at the goal, metres.
+    pub lift_m: f64,
+    /// Configurations of an IK set from which straight ways are tried, the most manipulable first.
+    pub tries_per_set: usize,
+    /// Grasps tried before the task is refused.
+    pub max_grasps: usize,
+    /// Share of the joints' speed limits.
+    pub velocity_scale: f64,
+    /// Share of the joints' acceleration limits.
+    pub acceleration_scale: f64,
+    /// Time that the fingers take to close or open, seconds.
+    pub fingers_s: f64,
+}
+
+impl Default for MotionSettings {
+    fn default() -> Self {
+        Self {
+            approach_m: 0.09,
+            min_approach_m: 0.03,
+            lift_m: 0.06,
+            tries_per_set: 12,
+            max_grasps: 12,
+            velocity_scale: 1.0,
+            acceleration_scale: 1.0,
+            fingers_s: 0.8,
+        }
+    }
+}
+
+/// What is asked for.
+pub struct PickAndPlace<'a> {
+    /// Robot, obstacles and object.
+    pub cell: &'a Workcell,
+    /// Grasps in the order in which they are tried.
+    pub ranked: &'a [Grasp],
+    /// The only grasp to try, if somebody chose one.
+    pub chosen: Option<u32>,
+    /// Seed of the search.
+    pub seed: u64,
+}
+
+/// Plans the task with the first grasp that allows it.
+///
+/// # Errors
+/// A [`Refusal`] whose details say of every grasp that was tried in which phase it failed and why.
+pub fn plan_pick_and_place(
+    task: &PickAndPlace<'_>,
+    settings: &MotionSettings,
+    watch: Watch<'_>,
+) -> Result<Plan, Refusal> {
+    let refusal = |message: String, details: Vec<String>| Refusal { message, details };
+    let usable: Vec<&Grasp> = match task.chosen {
+        None => task.ranked.iter().filter(|grasp| grasp.is_accepted()).take(settings.max_grasps).collect(),
+        Some(id) => match task.ranked.iter().find(|grasp| grasp.id == id) {
+            None => return Err(refusal(format!("there is no grasp {id}"), Vec::new())),
+            Some(grasp) if !grasp.is_accepted() => {
+                return Err(refusal(format!("grasp {id} cannot be used: {}", grasp.status.reason()), Vec::new()));
+            }
+            Some(grasp) => vec![grasp],
+        },
+    };
+    if usable.is_empty() {
+        let message = format!("none of the {} grasps can be used at both poses", task.ranked.len());
+        return Err(refusal(message, reasons_of_rejected(task.ranked)));
+    }
+    let mut failed: Vec<(u32, String)> = Vec::new();
+    for grasp in usable {
+        if watch.should_stop() {
+            return Err(refusal("stopped".into(), Vec::new()));
+        }
+        match plan_with(task, grasp, settings, watch) {
+            Ok(phases) => return Ok(assemble(task.cell, settings, grasp, phases, failed)),
+            Err(Setback { phase, reason }) => failed.push((grasp.id, format!("{}: {reason}", phase.name()))),
+        }
+    }
+    let tried = failed.len();
+    let plural = if tried == 1 { "grasp was" } else { "grasps were" };
+    let details = failed.into_iter().map(|(id, reason)| format!("grasp {id}: {reason}")).collect();
+    Err(refusal(format!("no path: {tried} {plural} tried, none of them worked"), details))
+}
+
+/// Why candidates were dropped, most frequent first.
+fn reasons_of_rejected(grasps: &[Grasp]) -> Vec<String> {
+    let mut counts: Vec<(&'static str, usize, String)> = Vec::new();
+    for grasp in grasps {
+        let kind = grasp.status.name();
+        match counts.iter_mut().find(|(known, ..)| *known == kind) {
+            Some((_, count, _)) => *count += 1,
+            None => counts.push((kind, 1, grasp.status.reason())),
+        }
+    }
+    counts.sort_by_key(|(_, count, _)| std::cmp::Reverse(*count));
+    counts.into_iter().map(|(_, count, example)| format!("{count} × {example}")).collect()
+}
+
+/// The phase that could not be done, and why.
+struct Setback {
+    phase: PhaseKind,
+    reason: String,
+}
+
+fn plan_with(
+    task: &PickAndPlace<'_>,
+    grasp: &Grasp,
+    settings: &MotionSettings,
+    watch: Watch<'_>,
+) -> Result<Vec<Draft>, Setback> {
+    use PhaseKind::{Close, Lift, Open, Place, Reach, Retreat, Transport};
+    let (cell, X_OH) = (task.cell, &grasp.X_OH);
+    let mover = Mover { cell, settings, seed: task.seed, watch };
+    let space = |phase: PhaseKind, checker: Result<Checker, CollisionError>| {
+        let checker = checker.map_err(|error| Setback { phase, reason: error.to_string() })?;
+        mover.space(checker).map_err(setback(phase))
+    };
+    let approaching = space(Reach, cell.approaching(&cell.X_WO_start))?;
+    let lifting = space(Lift, cell.carrying(X_OH, &grasp.closed, &cell.supports(&cell.X_WO_start)))?;
+    let X_WH_start = cell.X_WO_start * X_OH;
+    let picks = straight_ways(&mover, grasp.start.as_ref(), &X_WH_start, (Reach, &approaching), (Lift, &lifting))?;
+
+    let goals: Vec<Vec<f64>> = picks.iter().filter_map(|ways| ways.back.points.last().cloned()).collect();
+    let arm_start: Vec<f64> = cell.arm().dofs.iter().map(|&dof| cell.q_start[dof]).collect();
+    let (reach, chosen) = mover.search(&approaching, &arm_start, &goals).map_err(setback(Reach))?;
+    let pick = &picks[chosen];
+    let reach = joined(&reach, &reversed(&pick.back));
+    let (open, closed) = (&cell.hand.open, &grasp.closed);
+    let mut drafts = vec![
+        mover.along(Reach, &approaching, &reach, open, false).map_err(setback(Reach))?,
+        mover.fingers(Close, &lifting, &pick.grasp, open, closed),
+        mover.along(Lift, &lifting, &pick.rise, closed, true).map_err(setback(Lift))?,
+    ];
+    let Some(X_WO_goal) = cell.X_WO_goal else { return Ok(drafts) };
+
+    let leaving = space(Retreat, cell.approaching(&X_WO_goal))?;
+    let placing = space(Place, cell.carrying(X_OH, closed, &cell.supports(&X_WO_goal)))?;
+    let X_WH_goal = X_WO_goal * X_OH;
+    let places = straight_ways(&mover, grasp.goal.as_ref(), &X_WH_goal, (Retreat, &leaving), (Place, &placing))?;
+
+    let carrying = space(Transport, cell.carrying(X_OH, closed, &[]))?;
+    let goals: Vec<Vec<f64>> = places.iter().filter_map(|ways| ways.rise.points.last().cloned()).collect();
+    let lifted = pick.rise.points.last().unwrap_or(&pick.grasp);
+    let (transport, chosen) = mover.search(&carrying, lifted, &goals).map_err(setback(Transport))?;
+    let place = &places[chosen];
+    drafts.push(mover.along(Transport, &carrying, &transport, closed, true).map_err(setback(Transport))?);
+    drafts.push(mover.along(Place, &placing, &reversed(&place.rise), closed, true).map_err(setback(Place))?);
+    drafts.push(mover.fingers(Open, &leaving, &place.grasp, closed, open));
+    drafts.push(mover.along(Retreat, &leaving, &place.back, open, false).map_err(setback(Retreat))?);
+    Ok(drafts)
+}
+
+fn setback(phase: PhaseKind) -> impl Fn(String) -> Setback {
+    move |reason| Setback { phase, reason }
+}
+
+/// The straight ways from one configuration that grasps the object.
+struct Ways {
+    /// Where the hand holds the object.
+    grasp: Vec<f64>,
+    /// Backwards along the approach, with open fingers.
+    back: Path,
+    /// Upwards, with the object.
+    rise: Path,
+}
+
+/// Straight ways from the most manipulable configurations of an IK set; the first obstacle met is the reason if none
+/// has both.
+fn straight_ways(
+    mover: &Mover<'_>,
+    situated: Option<&Situated>,
+    X_WH: &Isometry3<f64>,
+    (back_phase, open): (PhaseKind, &ArmSpace),
+    (rise_phase, carrying): (PhaseKind, &ArmSpace),
+) -> Result<Vec<Ways>, Setback> {
+    let mut found = Vec::new();
+    let mut first = Setback { phase: back_phase, reason: "no configuration of the arm".into() };
+    let solutions = situated.map(|situated| most_manipulable(situated, mover.settings.tries_per_set));
+    for (index, q) in solutions.unwrap_or_default().into_iter().enumerate() {
+        let back = mover.back_off(open, q, X_WH).map_err(setback(back_phase));
+        let rise = back.and_then(|back| {
+            mover.rise(carrying, q, X_WH).map(|rise| (back, rise)).map_err(setback(rise_phase))
+        });
+        match rise {
+            Ok((back, rise)) => found.push(Ways { grasp: q.to_vec(), back, rise }),
+            Err(reason) if index == 0 => first = reason,
+            Err(_) => {}
+        }
+    }
+    if found.is_empty() {
+        first.reason = format!("no straight way: {}", first.reason);
+        return Err(first);
+    }
+    Ok(found)
+}
+
+/// Phases one after the other.
+fn assemble(
+    cell: &Workcell,
+    settings: &MotionSettings,
+    grasp: &Grasp,
+    drafts: Vec<Draft>,
+    failed_grasps: Vec<(u32, String)>,
+) -> Plan {
+    let arm = cell.arm();
+    let mut start_s = 0.0;
+    let phases: Vec<Phase> = drafts
+        .into_iter()
+        .map(|draft| {
+            let Draft { kind, trajectory, carries, manipulability, clearance_m } = draft;
+            let phase = Phase { kind, start_s, trajectory, carries, manipulability, clearance_m };
+            start_s += phase.trajectory.duration_s();
+            phase
+        })
+        .collect();
+    let X_WO_lifted = Translation3::new(0.0, 0.0, settings.lift_m) * cell.X_WO_start;
+    Plan {
+        arm: arm.name.clone(),
+        grasp: grasp.clone(),
+        phases,
+        q_start: cell.q_with_fingers(&cell.hand.open),
+        dofs: arm.dofs.iter().chain(arm.hand.fingers.iter().flatten()).copied().collect(),
+        X_WO_start: cell.X_WO_start,
+        X_WO_end: cell.X_WO_goal.unwrap_or(X_WO_lifted),
+        tcp_link: arm.hand.tcp_link,
+        failed_grasps,
+    }
+}
+
+/// Configurations of an IK set, the most manipulable first, ties in their own order.
+fn most_manipulable(situated: &Situated, count: usize) -> Vec<&[f64]> {
+    let mut order: Vec<usize> = (0..situated.solutions.len()).collect();
+    order.sort_by(|&l, &r| situated.manipulability[r].total_cmp(&situated.manipulability[l]).then(l.cmp(&r)));
+    order.into_iter().take(count).map(|index| situated.solutions[index].as_slice()).collect()
+}
