@@ -44,6 +44,11 @@ pub fn demo(name: &str) -> Option<Scene> {
     }
 }
 
+/// The picture of a demo for its card, a PNG that `render` made (`cargo xtask figures`).
+pub fn thumbnail(name: &str) -> Option<&'static [u8]> {
+    read(&format!("objects/scenes/{name}.png"))
+}
+
 /// Names of all household objects, sorted.
 pub fn object_names() -> Vec<&'static str> {
     let mut names: Vec<&str> = OBJECTS
