@@ -4,11 +4,10 @@ use nalgebra::{Point2, Point3, Vector3};
 
 use super::Plane;
 
-/// Edge of the cells in which coverage is counted, metres: objects' shadows and holes in the depth image are larger,
-/// the spacing of points at 2 m is smaller.
+/// Least edge of the cells in which coverage is counted, metres.
 const CELL_M: f64 = 0.02;
-/// At most so many cells per axis; a larger plane gets larger cells.
-const MAX_CELLS: f64 = 512.0;
+/// At most so many cells per axis, so that thousands of sampled points still cover a table without gaps.
+const MAX_CELLS: f64 = 64.0;
 /// Patches with less than this part of the points of the largest patch are not table: the strip where the plane cuts a
 /// wall or a chair.
 const PATCH_PART: f64 = 0.1;
@@ -70,26 +69,33 @@ fn within(edges: &[[f64; 3]], x: f64, y: f64) -> bool {
 }
 
 impl Outline {
-    /// The outline of the plane's inliers, widened by a margin; the order of the points does not matter.
-    pub(super) fn new(plane: &Plane, inliers: impl Iterator<Item = Point3<f64>>, margin_m: f64) -> Option<Self> {
+    /// The outline of the points within a distance of the plane, widened by a margin.
+    ///
+    /// A sample that stands for all points says which patches of the plane belong to the table and gives a first hull;
+    /// of all points only those outside that hull are looked at closely. The order of the points does not matter.
+    pub(super) fn new(
+        plane: &Plane,
+        sample: &[Point3<f64>],
+        points: &[Point3<f64>],
+        distance_m: f64,
+        margin_m: f64,
+    ) -> Option<Self> {
         let (u, v) = plane.basis();
-        let origin = Point3::from(plane.normal.into_inner() * plane.offset_m);
-        let flat: Vec<Point2<f64>> = inliers.map(|p| Point2::new(u.dot(&p.coords), v.dot(&p.coords))).collect();
-        let hull = convex_hull(covered(&flat)?);
-        let mut edges = Vec::with_capacity(hull.len());
-        for (k, a) in hull.iter().enumerate() {
-            let b = hull.get(k + 1).or(hull.first())?;
-            let d = b - a;
-            let length = d.norm();
-            if length > 0.0 {
-                let inward = [-d.y / length, d.x / length];
-                edges.push([inward[0], inward[1], inward[0] * a.x + inward[1] * a.y - margin_m]);
-            }
-        }
+        let flat = |p: &Point3<f64>| Point2::new(u.dot(&p.coords), v.dot(&p.coords));
+        let near = |p: &&Point3<f64>| plane.height(p).abs() <= distance_m;
+        let sampled: Vec<Point2<f64>> = sample.iter().filter(near).map(flat).collect();
+        let patches = Patches::new(&sampled)?;
+        let mut hull = convex_hull(sampled.into_iter().filter(|p| patches.contain(p)).collect());
+        let first = InnerCells::new(&hull, &half_planes(&hull, 0.0))?;
+        let outside = points.iter().filter(near).map(flat).filter(|p| !first.contain(p.x, p.y) && patches.contain(p));
+        hull.extend(outside);
+        let corners = convex_hull(hull);
+        let edges = half_planes(&corners, margin_m);
         if edges.len() < 3 {
             return None;
         }
-        Some(Self { origin, u, v, inner: InnerCells::new(&hull, &edges)?, corners: hull, edges })
+        let origin = Point3::from(plane.normal.into_inner() * plane.offset_m);
+        Some(Self { origin, u, v, inner: InnerCells::new(&corners, &edges)?, corners, edges })
     }
 
     /// Whether the foot of a point on the plane lies inside.
@@ -109,63 +115,77 @@ impl Outline {
     }
 }
 
-/// The point that reaches farthest in some direction, and how far it reaches.
-type Extreme = Option<(f64, Point2<f64>)>;
+/// Inward half-planes of a counter-clockwise polygon, moved outward by a margin.
+fn half_planes(corners: &[Point2<f64>], margin_m: f64) -> Vec<[f64; 3]> {
+    let next = corners.iter().cycle().skip(1);
+    (corners.iter().zip(next))
+        .filter_map(|(a, b)| {
+            let d = (b - a).try_normalize(1e-12)?;
+            Some([-d.y, d.x, -d.y * a.x + d.x * a.y - margin_m])
+        })
+        .collect()
+}
 
-/// Points that a hull of the covered area needs, from the patches of cells that belong to the table.
-fn covered(flat: &[Point2<f64>]) -> Option<Vec<Point2<f64>>> {
-    let first = flat.first()?;
-    let (least, most) = flat.iter().fold((*first, *first), |(least, most), p| (least.inf(p), most.sup(p)));
-    let cell = CELL_M.max((most - least).max() / MAX_CELLS);
-    let size = (most - least) / cell;
-    let (columns, rows) = (size.x as usize + 1, size.y as usize + 1);
-    let place = |p: &Point2<f64>| {
-        let at = (p - least) / cell;
-        (at.y as usize).min(rows - 1) * columns + (at.x as usize).min(columns - 1)
-    };
-    let mut counts = vec![0u32; columns * rows];
-    for p in flat {
-        if let Some(count) = counts.get_mut(place(p)) {
-            *count += 1;
+/// The cells of the plane that belong to the table: covered ones in large patches, and their neighbours.
+struct Patches {
+    least: Point2<f64>,
+    cell_m: f64,
+    columns: usize,
+    rows: usize,
+    kept: Vec<bool>,
+}
+
+impl Patches {
+    fn new(sampled: &[Point2<f64>]) -> Option<Self> {
+        let first = sampled.first()?;
+        let (least, most) = sampled.iter().fold((*first, *first), |(least, most), p| (least.inf(p), most.sup(p)));
+        let cell_m = CELL_M.max((most - least).max() / MAX_CELLS);
+        // One more cell all around for the neighbours.
+        let least = least.map(|x| x - cell_m);
+        let size = (most - least) / cell_m;
+        let (columns, rows) = (size.x as usize + 2, size.y as usize + 2);
+        let mut grid = Self { least, cell_m, columns, rows, kept: vec![false; columns * rows] };
+        let mut counts = vec![0u32; columns * rows];
+        for p in sampled {
+            if let Some(count) = grid.cell(p).and_then(|cell| counts.get_mut(cell)) {
+                *count += 1;
+            }
         }
-    }
-    let patches = patches(&counts, columns, rows);
-    let largest = patches.iter().map(|(points, _)| *points).max()?;
-    let mut kept = vec![false; counts.len()];
-    for (points, cells) in &patches {
-        if *points as f64 >= PATCH_PART * largest as f64 {
-            for cell in cells {
-                if let Some(keep) = kept.get_mut(*cell) {
-                    *keep = true;
+        let patches = patches(&counts, columns, rows);
+        let largest = patches.iter().map(|(points, _)| *points).max()?;
+        for (points, cells) in &patches {
+            if *points as f64 >= PATCH_PART * largest as f64 {
+                for cell in cells {
+                    for near in neighbourhood(*cell, 1, columns, rows) {
+                        grid.kept[near] = true;
+                    }
                 }
             }
         }
+        Some(grid)
     }
-    // Every corner of the hull that matters is extreme in its column or its row of cells: what is lost is the sagitta of
-    // the hull within one cell, far below the margin.
-    let mut extremes: Vec<Extreme> = vec![None; 2 * (columns + rows)];
-    for p in flat {
-        let at = place(p);
-        if !kept.get(at).copied().unwrap_or(false) {
-            continue;
-        }
-        let (column, row) = (at % columns, at / columns);
-        let slots = [(column, p.y), (columns + column, -p.y), (2 * columns + row, p.x), (2 * columns + rows + row, -p.x)];
-        for (slot, reach) in slots {
-            if let Some(slot) = extremes.get_mut(slot)
-                && slot.is_none_or(|(best, q)| reach > best || (reach == best && (p.x, p.y) < (q.x, q.y)))
-            {
-                *slot = Some((reach, *p));
-            }
-        }
+
+    fn cell(&self, p: &Point2<f64>) -> Option<usize> {
+        let at = (p - self.least) / self.cell_m;
+        let inside = at.x >= 0.0 && at.y >= 0.0 && at.x < self.columns as f64 && at.y < self.rows as f64;
+        inside.then(|| at.y as usize * self.columns + at.x as usize)
     }
-    let corners = extremes.into_iter().flatten().map(|(_, p)| p).collect();
-    Some(corners)
+
+    fn contain(&self, p: &Point2<f64>) -> bool {
+        self.cell(p).is_some_and(|cell| self.kept.get(cell) == Some(&true))
+    }
 }
 
-/// Connected patches of covered cells (eight neighbours and gaps of one cell): their points and cells.
+/// The cells at most `reach` away along both axes, the cell itself included.
+fn neighbourhood(cell: usize, reach: usize, columns: usize, rows: usize) -> impl Iterator<Item = usize> {
+    let (column, row) = (cell % columns, cell / columns);
+    let across = column.saturating_sub(reach)..=(column + reach).min(columns - 1);
+    (row.saturating_sub(reach)..=(row + reach).min(rows - 1))
+        .flat_map(move |row| across.clone().map(move |column| row * columns + column))
+}
+
+/// Connected patches of covered cells, gaps of one cell allowed: their points and cells.
 fn patches(counts: &[u32], columns: usize, rows: usize) -> Vec<(u64, Vec<usize>)> {
-    const GAP: usize = 2;
     let mut seen = vec![false; counts.len()];
     let mut patches = Vec::new();
     for start in 0..counts.len() {
@@ -179,14 +199,10 @@ fn patches(counts: &[u32], columns: usize, rows: usize) -> Vec<(u64, Vec<usize>)
         while let Some(&cell) = cells.get(next) {
             next += 1;
             points += u64::from(counts[cell]);
-            let (column, row) = (cell % columns, cell / columns);
-            for near_row in row.saturating_sub(GAP)..=(row + GAP).min(rows - 1) {
-                for near_column in column.saturating_sub(GAP)..=(column + GAP).min(columns - 1) {
-                    let near = near_row * columns + near_column;
-                    if counts[near] > 0 && !seen[near] {
-                        seen[near] = true;
-                        cells.push(near);
-                    }
+            for near in neighbourhood(cell, 2, columns, rows) {
+                if counts[near] > 0 && !seen[near] {
+                    seen[near] = true;
+                    cells.push(near);
                 }
             }
         }
@@ -234,7 +250,9 @@ mod tests {
         };
         // A table of 1 m × 0.6 m, and 0.5 m behind it a strip of 2 cm × 1 m.
         let points = grid(0.0, 201, 0.0, 121).chain(grid(0.0, 201, 1.1, 4));
-        let outline = Outline::new(&flat_table(), points, 0.01).unwrap();
+        let points: Vec<Point3<f64>> = points.collect();
+        let sample: Vec<Point3<f64>> = points.iter().step_by(7).copied().collect();
+        let outline = Outline::new(&flat_table(), &sample, &points, 0.01, 0.01).unwrap();
         for (x, y, inside) in [(0.5, 0.3, true), (-0.005, 0.3, true), (-0.02, 0.3, false), (0.5, 0.605, true)] {
             assert_eq!(outline.contains(&Point3::new(x, y, 0.9)), inside, "({x}, {y})");
         }
@@ -246,6 +264,7 @@ mod tests {
     fn the_hull_of_a_square_has_four_corners() {
         let points = (0..100).map(|k| Point2::new(f64::from(k % 10), f64::from(k / 10))).collect();
         assert_eq!(convex_hull(points).len(), 4);
-        assert!(Outline::new(&flat_table(), (0..9).map(|k| Point3::new(f64::from(k), 0.0, 0.7)), 0.0).is_none());
+        let line: Vec<Point3<f64>> = (0..9).map(|k| Point3::new(f64::from(k), 0.0, 0.7)).collect();
+        assert!(Outline::new(&flat_table(), &line, &line, 0.01, 0.01).is_none());
     }
 }

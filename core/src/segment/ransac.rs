@@ -19,6 +19,8 @@ pub(super) struct Found {
     pub(super) inliers: usize,
     /// Root mean square distance of the inliers, metres.
     pub(super) rms_m: f64,
+    /// The sample, which does not depend on the order of the cloud's points.
+    pub(super) sample: Vec<Point3<f64>>,
 }
 
 /// The plane with the most points near it, or `None` when no three points span one.
@@ -50,6 +52,7 @@ pub(super) fn largest_plane(points: &[Point3<f64>], settings: &SegmentSettings, 
         plane,
         inliers: (count as f64 * scale).round() as usize,
         rms_m: (squares / count.max(1) as f64).sqrt(),
+        sample,
     })
 }
 

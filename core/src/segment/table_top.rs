@@ -105,12 +105,10 @@ pub fn segment(
     go_on(watch, 0.3, "table plane")?;
 
     let mut table = found.plane;
-    let near = cloud.points.iter().filter(|p| table.height(p).abs() <= settings.plane_distance_m);
-    let outline = |table: &Plane, near: &mut dyn Iterator<Item = Point3<f64>>| {
-        // An object may lean over the edge of the table by as much as the plane is thick.
-        Outline::new(table, near, settings.plane_distance_m).ok_or_else(|| no_plane(found.inliers))
-    };
-    let mut edge = outline(&table, &mut near.copied())?;
+    // What stands on the rim may lean over it by as much as the plane is thick.
+    let distance = settings.plane_distance_m;
+    let mut edge = Outline::new(&table, &found.sample, &cloud.points, distance, distance)
+        .ok_or_else(|| no_plane(found.inliers))?;
     if !faces_up(&table, cloud, settings, &edge) {
         table = table.flipped();
         edge.flip();
@@ -119,18 +117,17 @@ pub fn segment(
 
     let mut standing = Standing::default();
     let mut table_points = 0;
-    let mut fates: Vec<PointFate> = (cloud.points.iter().zip(0u32..))
-        .map(|(p, index)| {
-            let fate = fate(p, &table, settings, &edge);
-            match fate {
-                // The number is not known yet.
-                PointFate::Cluster(_) => standing.push(p, index),
-                PointFate::Table => table_points += 1,
-                _ => {}
-            }
-            fate
-        })
-        .collect();
+    let mut fates = Vec::with_capacity(cloud.points.len());
+    for (index, p) in (0u32..).zip(&cloud.points) {
+        let fate = fate(p, &table, settings, &edge);
+        match fate {
+            // The number is not known yet.
+            PointFate::Cluster(_) => standing.push(p, index),
+            PointFate::Table => table_points += 1,
+            _ => {}
+        }
+        fates.push(fate);
+    }
     go_on(watch, 0.7, "points above the table")?;
 
     let labels = link(&standing.points, settings.cluster_distance_m);
