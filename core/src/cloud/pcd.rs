@@ -99,7 +99,11 @@ fn read_ascii(data: &[u8], header: &Header, layout: &Layout) -> Result<Collector
                 wanted: format!("{}, as FIELDS and COUNT say", header.columns),
             });
         }
-        let number = |field: &Field, thing| parse_number(words.get(field.column).copied().unwrap_or(""), line, thing);
+        let number = |field: &Field, thing| {
+            let value = parse_number(words.get(field.column).copied().unwrap_or(""), line, thing)?;
+            // A field of 32 bits means the same number in every encoding.
+            Ok(if field.scalar == Scalar::F32 { f64::from(value as f32) } else { value })
+        };
         let [x, y, z] = &layout.xyz;
         let color = match &layout.color {
             Some(field) => {

@@ -79,7 +79,8 @@ impl Raster {
         let (cx, cy) = self.middle();
         let [a, b, c] = triangle.map(|p| Vector3::new(self.focal_px * p.x / p.z + cx, self.focal_px * p.y / p.z + cy, 1.0 / p.z));
         let area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
-        if area.abs() < 1e-12 {
+        let has_area = area.abs() > 1e-12;
+        if !has_area {
             return;
         }
         // 1/z is an affine function of the pixel.
@@ -87,7 +88,7 @@ impl Raster {
         let slope_v = ((c.z - a.z) * (b.x - a.x) - (b.z - a.z) * (c.x - a.x)) / area;
         let first = a.y.min(b.y).min(c.y).ceil().max(0.0);
         let last = a.y.max(b.y).max(c.y).floor().min(self.height as f64 - 1.0);
-        if !(first <= last) {
+        if first > last {
             return;
         }
         for row in first as usize..=last as usize {
@@ -105,7 +106,7 @@ impl Raster {
             }
             let left = left.ceil().max(0.0);
             let right = right.floor().min(self.width as f64 - 1.0);
-            if !(left <= right) {
+            if left > right {
                 continue;
             }
             let (start, stop) = (left as usize, right as usize);

@@ -29,11 +29,12 @@ pub fn voxel_centroids(points: &[Point3<f64>], edge_m: f64) -> Vec<Point3<f64>> 
         .filter_map(|cell| {
             let [z, y, x] = cell.first()?.0.map(f64::from);
             let base = corner + edge_m * nalgebra::Vector3::new(x, y, z);
+            // Round-off may put a point a hair outside its cell: below counts as 0 by saturation.
             let mut sums = [0u64; 3];
             for (_, index) in cell {
                 let offset = (points.get(*index as usize)? - base) / edge_m;
                 for (sum, part) in sums.iter_mut().zip(offset.iter()) {
-                    *sum += (part.max(0.0).min(1.0) * STEPS) as u64;
+                    *sum += (part.min(1.0) * STEPS) as u64;
                 }
             }
             let scale = edge_m / (STEPS * cell.len() as f64);
