@@ -10,8 +10,8 @@ mod dom;
 #[cfg(target_arch = "wasm32")]
 mod host;
 #[cfg(target_arch = "wasm32")]
-mod page;
+pub mod page;
 #[cfg(target_arch = "wasm32")]
 mod stand_in;
 #[cfg(target_arch = "wasm32")]
-mod worker;
+pub mod worker;
