@@ -1,1 +1,3 @@
-//! Whole-program tests live in `tests/tests/`.
+//! What the whole-program tests in `tests/tests/` share.
+
+pub mod browser;

@@ -1,0 +1,212 @@
+// Loads the program, chooses how it draws, and says in words what is wrong when either cannot be done.
+//
+// Everything else is Rust (web/src). `cargo xtask dist` writes the final file names into `files`.
+
+const files = {
+  glue: "./endcomfort.js",
+  module: "./endcomfort.wasm",
+  worker: "./worker.js",
+  moduleBytes: 0,
+};
+
+const element = (id) => document.getElementById(id);
+
+/** A reason why the page cannot run, in words. */
+class Failure extends Error {
+  constructor(sentence, advice, detail = "") {
+    super(sentence);
+    this.advice = advice;
+    this.detail = String(detail);
+  }
+}
+
+function say(sentence, fraction) {
+  element("sentence").textContent = sentence;
+  if (fraction === undefined) {
+    element("bar").removeAttribute("value");
+  } else {
+    element("bar").value = fraction;
+  }
+}
+
+function showFailure(title, failure) {
+  element("title").textContent = title;
+  element("sentence").textContent = failure.message;
+  element("advice").textContent = failure.advice;
+  element("detail").textContent = failure.detail;
+  element("detail").hidden = failure.detail === "";
+  element("status").className = "failed";
+}
+
+/** A module of one function that uses a 128-bit vector: old browsers refuse it. */
+const vectorProbe = new Uint8Array([
+  0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11,
+]);
+
+function checkWebAssembly() {
+  if (typeof WebAssembly !== "object") {
+    throw new Failure(
+      "This browser does not run WebAssembly, in which Endcomfort is written.",
+      "Any current Firefox, Chrome, Edge or Safari does. In a hardened browser, allow WebAssembly for this page.",
+    );
+  }
+  if (!WebAssembly.validate(vectorProbe)) {
+    throw new Failure(
+      "This browser’s WebAssembly has no vector instructions, which Endcomfort computes with.",
+      "Please update it: Chrome and Edge have them since version 91, Firefox since 89, Safari since 16.4.",
+    );
+  }
+}
+
+/** Whether WebGPU is there on real hardware. A software adapter draws slower than WebGL2, and some draw nothing. */
+async function webgpuIsSound() {
+  try {
+    const adapter = await navigator.gpu?.requestAdapter({ powerPreference: "high-performance" });
+    if (!adapter) {
+      return { present: false, sound: false };
+    }
+    const software = adapter.info?.isFallbackAdapter || adapter.isFallbackAdapter || false;
+    return { present: true, sound: !software && adapter.limits.maxTextureDimension2D >= 8192 };
+  } catch {
+    return { present: false, sound: false };
+  }
+}
+
+function hasWebgl2() {
+  const context = document.createElement("canvas").getContext("webgl2");
+  context?.getExtension("WEBGL_lose_context")?.loseContext();
+  return context !== null;
+}
+
+/** "webgpu" or "webgl": what the address asks for, else WebGPU where it is sound, else WebGL2. */
+async function chooseRenderer() {
+  const wish = new URLSearchParams(location.search).get("renderer");
+  if (wish !== "webgl") {
+    const { present, sound } = await webgpuIsSound();
+    if (sound || (present && wish === "webgpu")) {
+      return "webgpu";
+    }
+    if (wish === "webgpu") {
+      throw new Failure(
+        "The address asks for WebGPU (?renderer=webgpu), and this browser offers no WebGPU adapter.",
+        "Remove ?renderer=webgpu from the address to draw with WebGL2.",
+      );
+    }
+  }
+  if (hasWebgl2()) {
+    return "webgl";
+  }
+  throw new Failure(
+    "This browser offers neither WebGPU nor WebGL2, so nothing can be drawn.",
+    "Switch on hardware acceleration in its settings, or try a current Firefox, Chrome, Edge or Safari. " +
+      "Without any graphics, the command line still works: `endcomfort plan pick mustard --json`.",
+  );
+}
+
+async function fetchModule() {
+  const response = await fetch(new URL(files.module, import.meta.url));
+  if (!response.ok) {
+    throw new Error(`${files.module}: the server answered ${response.status} ${response.statusText}`);
+  }
+  let received = 0;
+  const counter = new TransformStream({
+    transform(chunk, controller) {
+      received += chunk.byteLength;
+      const megabytes = (bytes) => (bytes / 1e6).toFixed(1);
+      say(`Loading ${megabytes(received)} of ${megabytes(files.moduleBytes)} MB`, received / files.moduleBytes);
+      controller.enqueue(chunk);
+    },
+  });
+  const headers = { "Content-Type": "application/wasm" };
+  return WebAssembly.compileStreaming(new Response(response.body.pipeThrough(counter), { headers }));
+}
+
+async function load() {
+  try {
+    return await Promise.all([import(new URL(files.glue, import.meta.url)), fetchModule()]);
+  } catch (error) {
+    throw new Failure(
+      navigator.onLine
+        ? "A file of this page could not be loaded."
+        : "A file of this page could not be loaded: this machine is offline.",
+      "Reload the page. If it was just updated, an old copy may be in the way: reload with Shift held down.",
+      error,
+    );
+  }
+}
+
+/** Waits for the frame that follows the program's first picture. */
+async function firstPicture(program) {
+  do {
+    await new Promise(requestAnimationFrame);
+  } while (program.pictures() === 0);
+  return performance.now();
+}
+
+/** Shows what has no handler of its own: a trap inside the program. */
+function watchForTraps() {
+  const onError = (error) => {
+    // A panic has already said what happened, in better words.
+    if (error instanceof WebAssembly.RuntimeError && !element("status").classList.contains("failed")) {
+      showFailure(
+        "Endcomfort has stopped",
+        new Failure("The program met a fault and cannot go on.", "Reload the page to start again.", error),
+      );
+    }
+  };
+  addEventListener("error", (event) => onError(event.error));
+  addEventListener("unhandledrejection", (event) => onError(event.reason));
+}
+
+async function main() {
+  checkWebAssembly();
+  const renderer = chooseRenderer();
+  renderer.catch(() => {}); // it is awaited, and its failure shown, below
+  const [program, module] = await load();
+  say("Starting");
+  await program.default({ module_or_path: module });
+  watchForTraps();
+  const worker = new URL(files.worker, import.meta.url).href;
+  const chosen = await renderer;
+  try {
+    await program.start(module, worker, chosen);
+  } catch (error) {
+    if (element("status").classList.contains("failed")) {
+      return; // a panic has said why
+    }
+    throw new Failure(
+      chosen === "webgpu"
+        ? "WebGPU is there, but drawing with it could not be started."
+        : "WebGL2 is there, but drawing with it could not be started.",
+      chosen === "webgpu"
+        ? "Add ?renderer=webgl to the address to draw with WebGL2 instead."
+        : "Close other tabs that draw in 3D and reload; if it stays, update the browser or the graphics driver.",
+      error,
+    );
+  }
+  // What a script or a test may ask and do; see web/src/page.rs.
+  window.endcomfort = {
+    status: program.status,
+    plan_json: program.plan_json,
+    load_cloud: program.load_cloud,
+    set_demo: program.set_demo,
+    play: () => program.set_playing(true),
+    pause: () => program.set_playing(false),
+    seek: program.seek,
+    first_picture_ms: await firstPicture(program),
+  };
+  if (!element("status").classList.contains("failed")) {
+    say("Endcomfort is ready", 1);
+    element("status").className = "running";
+  }
+}
+
+main().catch((error) => {
+  console.warn(error);
+  showFailure(
+    "Endcomfort cannot start here",
+    error instanceof Failure
+      ? error
+      : new Failure("Starting the program failed.", "Reload the page; if it stays, update the browser.", error),
+  );
+});

@@ -1,0 +1,44 @@
+//! The few elements of `index.html` that the program writes to, always through `textContent`.
+
+use wasm_bindgen::JsCast as _;
+use web_sys::{Document, HtmlElement};
+
+/// The page's document; `None` in a worker.
+pub(crate) fn document() -> Option<Document> {
+    web_sys::window().and_then(|window| window.document())
+}
+
+/// Says a sentence in the status line, which assistive technology reads aloud.
+pub(crate) fn announce(sentence: &str) {
+    set_text("sentence", sentence);
+}
+
+/// Covers the view with what happened and what to do next.
+pub(crate) fn show_failure(title: &str, sentence: &str, advice: &str, detail: &str) {
+    set_text("title", title);
+    set_text("sentence", sentence);
+    set_text("advice", advice);
+    set_text("detail", detail);
+    if let Some(element) = element("detail") {
+        element.set_hidden(detail.is_empty());
+    }
+    if let Some(element) = element("status") {
+        element.set_class_name("failed");
+    }
+}
+
+/// What follows `?` in the address, without it; empty if there is nothing.
+pub(crate) fn query() -> String {
+    let search = web_sys::window().and_then(|window| window.location().search().ok()).unwrap_or_default();
+    search.strip_prefix('?').unwrap_or_default().to_owned()
+}
+
+fn element(id: &str) -> Option<HtmlElement> {
+    document()?.get_element_by_id(id)?.dyn_into().ok()
+}
+
+fn set_text(id: &str, text: &str) {
+    if let Some(element) = element(id) {
+        element.set_text_content(Some(text));
+    }
+}

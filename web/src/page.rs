@@ -1,0 +1,142 @@
+//! The page's side: starts the interface on the canvas, and answers scripts and tests.
+//!
+//! `web/boot.js` offers the functions below as `window.endcomfort`:
+//! `status()`, `plan_json()`, `load_cloud(name, bytes)`, `set_demo(name)`, `play()`, `pause()`, `seek(seconds)`, and
+//! the number `first_picture_ms`, counted from the moment the browser began to open the page.
+
+use std::cell::RefCell;
+
+use eframe::{WebOptions, WebRunner, egui, egui_wgpu, wgpu};
+use wasm_bindgen::prelude::*;
+use web_sys::HtmlCanvasElement;
+
+use crate::dom;
+use crate::host::WebHost;
+use crate::stand_in::{App, StartOptions};
+
+thread_local! {
+    static PAGE: RefCell<Option<Page>> = const { RefCell::new(None) };
+}
+
+/// What the functions below act on.
+#[derive(Clone)]
+struct Page {
+    runner: WebRunner,
+    context: egui::Context,
+}
+
+/// Starts the interface on the canvas `#view`.
+///
+/// * `module`: the compiled `WebAssembly.Module`, for the workers.
+/// * `worker_url`: address of `worker.js`.
+/// * `renderer`: `webgpu` or `webgl`.
+///
+/// # Errors
+/// What the browser or the interface says when it cannot start.
+#[wasm_bindgen]
+pub async fn start(module: JsValue, worker_url: String, renderer: String) -> Result<(), JsValue> {
+    // The runner's own hook, installed on top of this one, writes the message and the stack to the console.
+    std::panic::set_hook(Box::new(|info| {
+        dom::show_failure(
+            "Endcomfort has stopped",
+            "The program met a fault and cannot go on.",
+            "Reload the page to start again. Please report what is written below, with what you did before.",
+            &info.to_string(),
+        );
+    }));
+    let canvas: HtmlCanvasElement = dom::document()
+        .and_then(|document| document.get_element_by_id("view"))
+        .and_then(|element| element.dyn_into().ok())
+        .ok_or("the page has no canvas #view")?;
+
+    let (backends, backend) = match renderer.as_str() {
+        "webgpu" => (wgpu::Backends::BROWSER_WEBGPU, "WebGPU"),
+        _ => (wgpu::Backends::GL, "WebGL2"),
+    };
+    let runner = WebRunner::new();
+    let page = runner.clone();
+    runner
+        .start(
+            canvas,
+            web_options(backends),
+            Box::new(move |creation| {
+                let context = creation.egui_ctx.clone();
+                let host = WebHost::new(context.clone(), backend, module, worker_url);
+                let app = App::new(creation, Box::new(host), StartOptions { query: dom::query() })?;
+                PAGE.set(Some(Page { runner: page, context }));
+                Ok(Box::new(app))
+            }),
+        )
+        .await
+}
+
+/// WebGL2's limits everywhere, so that one renderer serves both, but textures as large as the adapter allows.
+fn web_options(backends: wgpu::Backends) -> WebOptions {
+    let mut setup = egui_wgpu::WgpuSetupCreateNew::without_display_handle();
+    setup.instance_descriptor.backends = backends;
+    setup.device_descriptor = std::sync::Arc::new(|adapter| wgpu::DeviceDescriptor {
+        label: Some("endcomfort"),
+        required_limits: wgpu::Limits::downlevel_webgl2_defaults().using_resolution(adapter.limits()),
+        ..wgpu::DeviceDescriptor::default()
+    });
+    let wgpu_options = egui_wgpu::WgpuConfiguration {
+        wgpu_setup: egui_wgpu::WgpuSetup::CreateNew(setup),
+        ..egui_wgpu::WgpuConfiguration::default()
+    };
+    WebOptions { wgpu_options, ..WebOptions::default() }
+}
+
+/// How many pictures have been drawn.
+#[wasm_bindgen]
+pub fn pictures() -> f64 {
+    // A JavaScript number counts exactly far beyond any session's pictures.
+    with_page(|page| page.context.cumulative_frame_nr() as f64).unwrap_or(0.0)
+}
+
+/// State of the interface as JSON: revision, stages, error, time, backend, … (`App::status_json`).
+#[wasm_bindgen]
+pub fn status() -> Option<String> {
+    with_app(|app| app.status_json())
+}
+
+/// The plan on the timeline in the format of `endcomfort plan --json`, if there is one.
+#[wasm_bindgen]
+pub fn plan_json() -> Option<String> {
+    with_app(|app| app.plan_json()).flatten()
+}
+
+/// Opens a file as if it had been dropped onto the page.
+#[wasm_bindgen]
+pub fn load_cloud(name: String, bytes: Vec<u8>) {
+    with_app(|app| app.open_file(name, bytes));
+}
+
+/// Opens a demo by its name.
+#[wasm_bindgen]
+pub fn set_demo(name: &str) {
+    with_app(|app| app.open_demo(name));
+}
+
+/// Plays or pauses the plan.
+#[wasm_bindgen]
+pub fn set_playing(playing: bool) {
+    with_app(|app| app.set_playing(playing));
+}
+
+/// Goes to a moment of the plan, seconds from its start.
+#[wasm_bindgen]
+pub fn seek(time_s: f64) {
+    with_app(|app| app.seek(time_s));
+}
+
+fn with_page<T>(act: impl FnOnce(&Page) -> T) -> Option<T> {
+    PAGE.with_borrow(|page| page.as_ref().map(act))
+}
+
+/// Acts on the interface and draws again; `None` before it has started and after a panic.
+fn with_app<T>(act: impl FnOnce(&mut App) -> T) -> Option<T> {
+    let page = with_page(Page::clone)?;
+    let result = act(&mut *page.runner.app_mut::<App>()?);
+    page.context.request_repaint();
+    Some(result)
+}
