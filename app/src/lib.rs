@@ -6,3 +6,4 @@
 pub mod assets;
 pub mod host;
 pub mod render;
+pub mod viewer;
