@@ -21,13 +21,13 @@ mod parry;
 mod query;
 mod setup;
 mod solid;
-mod touching;
 #[cfg(test)]
 pub(crate) mod testing;
+mod touching;
 mod world;
 
 pub use checker::{Checker, Clearance, Hit, Scratch};
-pub(crate) use checker::{Margins, Pair, State};
+pub(crate) use checker::{Pair, State};
 pub use exhaustive::Exhaustive;
 pub use hand::HandChecker;
 pub use model::{CollisionError, CollisionModel};

@@ -140,15 +140,13 @@ fn judge(
         grasp.status = GraspStatus::OneSided { link: grasp.contacts[0].link.clone() };
         return grasp;
     }
-    for fingers in [&hand.open, &grasp.closed] {
-        if let Some(hit) = hand_hit(&X_OH, fingers) {
-            grasp.status = if hit.other == "table" {
-                GraspStatus::HitsTable { link: hit.link }
-            } else {
-                GraspStatus::HitsNeighbour { link: hit.link, neighbour: hit.other }
-            };
-            return grasp;
-        }
+    if let Some(hit) = hand_hit(&X_OH, &hand.open).or_else(|| hand_hit(&X_OH, &grasp.closed)) {
+        grasp.status = if hit.other == "table" {
+            GraspStatus::HitsTable { link: hit.link }
+        } else {
+            GraspStatus::HitsNeighbour { link: hit.link, neighbour: hit.other }
+        };
+        return grasp;
     }
     let size_m = shape.object.a.max(shape.object.b).max(shape.object.c);
     grasp.epsilon = quality::epsilon(&grasp.contacts, &Point3::origin(), size_m);

@@ -3,9 +3,15 @@
 use serde::Serialize;
 
 /// The last value of a stage and the inputs that it was computed from.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Memory<T> {
     last: Option<(Vec<String>, T)>,
+}
+
+impl<T> Default for Memory<T> {
+    fn default() -> Self {
+        Self { last: None }
+    }
 }
 
 impl<T> Memory<T> {

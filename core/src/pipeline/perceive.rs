@@ -9,7 +9,7 @@ use crate::library::Library;
 use crate::mesh::Mesh;
 use crate::parallel;
 use crate::scene::Scene;
-use crate::segment::{PointFate, SegmentSettings, Segmentation, segment, table_to_robot};
+use crate::segment::{TableSpot, segment, table_to_robot};
 use crate::watch::Watch;
 
 /// Points this close to a known obstacle belong to it, metres: camera noise and the tilt of its faces.
@@ -83,7 +83,8 @@ pub(super) fn scene_output(
         read_cloud(&file.name, &file.bytes).map_err(|error| refused(format!("{}: {error}", file.name)))?;
     let found = segment(&loaded.value, &scene.segment, scene.seed, watch)
         .map_err(|refusal| refused(format!("{}: {refusal}", file.name)))?;
-    let X_WF = table_to_robot(&found, &loaded.value, 0, scene.table.height_m, DROPPED_AT_M);
+    let spot = TableSpot { height_m: scene.table.height_m, spot_m: DROPPED_AT_M, cluster: 0 };
+    let X_WF = table_to_robot(&found, &loaded.value, &spot);
     let mut notes = loaded.notes;
     notes.push("the cloud's table was brought onto the robot's, its nearest large cluster in front of the arm".into());
     Ok(SceneOutput { cloud: loaded.value.transformed(&X_WF), notes })
@@ -98,21 +99,13 @@ pub(super) fn segment_output(
     watch: Watch<'_>,
 ) -> Result<SegmentOutput, Refusal> {
     let cloud = &seen.cloud;
-    let known = |p: &Point3<f64>| !is_dropped && scene.obstacles.iter().any(|obstacle| {
-        let p_B = obstacle.X_WB.inverse_transform_point(p);
-        (0..3).all(|axis| p_B[axis].abs() < 0.5 * obstacle.size_m[axis] + OBSTACLE_MARGIN_M)
-    });
-    let kept: Vec<u32> = (0..).zip(&cloud.points).filter(|(_, p)| !known(p)).map(|(i, _)| i).collect();
-    let found = if kept.len() == cloud.points.len() {
-        run_segment(cloud, &scene.segment, scene.seed, watch)?
-    } else {
-        let mut found = run_segment(&cloud.subset(&kept), &scene.segment, scene.seed, watch)?;
-        let mut fates = vec![PointFate::KnownObstacle; cloud.points.len()];
-        kept.iter().zip(&found.fates).for_each(|(&i, &fate)| fates[i as usize] = fate);
-        found.fates = fates;
-        found.clusters.iter_mut().flatten().for_each(|i| *i = kept[*i as usize]);
-        found
-    };
+    let mut found = segment(cloud, &scene.segment, scene.seed, watch).map_err(|error| refused(error.to_string()))?;
+    if !is_dropped {
+        found.remove_known(cloud, &scene.obstacles, OBSTACLE_MARGIN_M, scene.segment.cluster_min_points);
+    }
+    if found.clusters.is_empty() {
+        return Err(refused("nothing stands on the table but the boxes that the robot knows"));
+    }
     let clusters: Vec<Vec<Point3<f64>>> = found
         .clusters
         .iter()
@@ -127,15 +120,6 @@ pub(super) fn segment_output(
         None => nearest_cluster(scene, &clusters),
     };
     Ok(SegmentOutput { table: found.table, fates: found.fates, clusters, target })
-}
-
-fn run_segment(
-    cloud: &PointCloud,
-    settings: &SegmentSettings,
-    seed: u64,
-    watch: Watch<'_>,
-) -> Result<Segmentation, Refusal> {
-    segment(cloud, settings, seed, watch).map_err(|refusal| refused(refusal.to_string()))
 }
 
 /// The cluster whose centroid is closest to the task's object.

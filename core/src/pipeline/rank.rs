@@ -2,7 +2,7 @@
 
 use nalgebra::Isometry3;
 
-use crate::collision::{HandChecker, Scratch, World};
+use crate::collision::{Checker, CollisionError, HandChecker, Scratch, World};
 use crate::grasp::{Grasp, GraspSettings, GraspStatus, HandHit, HandModel, Reach, Situated, candidates};
 use crate::job::{FitOutput, Refusal};
 use crate::library::Library;
@@ -163,7 +163,7 @@ fn situate(cell: &Workcell, grasp: &mut Grasp, goal_supports: Option<&[String]>)
     let q_rest = cell.q_with_fingers(&grasp.closed);
     let reach =
         Reach { robot: &cell.robot, arm: cell.arm(), ik: &cell.ik, q_rest: &q_rest, arm_angles: ARM_ANGLES };
-    let at = |X_WO: &Isometry3<f64>, checker: Result<crate::collision::Checker, _>| -> Situated {
+    let at = |X_WO: &Isometry3<f64>, checker: Result<Checker, CollisionError>| -> Situated {
         let checker = match checker {
             Ok(checker) => checker,
             Err(error) => return Situated { rejected: vec![(error.to_string(), 1)], ..Situated::default() },

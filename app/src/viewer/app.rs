@@ -1,0 +1,266 @@
+//! The application: state, view and panels, between a host that computes and a studio that composes.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use egui::{ColorImage, Context, Ui};
+
+use super::view3d::View3d;
+use super::{Command, Document, Effect, Overlay, Studio, ThemeChoice, ViewerState, draw_panels, theme};
+use crate::host::Host;
+
+/// How the program shall open.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct StartOptions {
+    /// Demo to open; `None` opens the first.
+    pub demo: Option<String>,
+    /// Whether the gallery lies over it.
+    pub gallery: bool,
+    /// Dark, light, or as the system has it.
+    pub theme: ThemeChoice,
+}
+
+/// The interface as eframe runs it.
+pub struct App {
+    state: ViewerState,
+    view: View3d,
+    host: Box<dyn Host>,
+    studio: Box<dyn Studio>,
+    inbox: Inbox,
+    screenshot: Screenshot,
+}
+
+/// Files that are still being read when they are dropped (the browser reads them in its own time).
+type Inbox = Arc<Mutex<Vec<Command>>>;
+
+/// A picture of the view that was asked for.
+#[derive(Default)]
+enum Screenshot {
+    #[default]
+    None,
+    /// The panels are left away until the picture arrives.
+    Waiting(Arc<Mutex<Option<Arc<ColorImage>>>>),
+}
+
+impl App {
+    /// Opens the first demo (or the one that is asked for) at once.
+    ///
+    /// # Errors
+    /// A sentence if eframe has no wgpu device, or if there is no demo at all.
+    pub fn new(
+        cc: &eframe::CreationContext<'_>,
+        host: Box<dyn Host>,
+        studio: Box<dyn Studio>,
+        start: StartOptions,
+    ) -> Result<Self, String> {
+        let gpu = cc.wgpu_render_state.as_ref().ok_or("The window opened without wgpu, which draws the 3D view.")?;
+        theme::install(&cc.egui_ctx);
+        let demos = studio.demos();
+        let first = demos.first().ok_or("The program was built without demos.")?;
+        let document = Document::new(first.scene.clone());
+        let name = first.name.clone();
+        let mut state = ViewerState::new(document, demos, studio.robots());
+        state.demo = Some(name);
+        let mut app =
+            Self { state, view: View3d::new(gpu), host, studio, inbox: Inbox::default(), screenshot: Screenshot::None };
+        let ctx = &cc.egui_ctx;
+        app.apply(ctx, Command::SetTheme(start.theme));
+        let wanted = start.demo.filter(|demo| app.state.demo.as_ref() != Some(demo));
+        match wanted {
+            Some(demo) if app.state.demo_named(&demo).is_some() => app.apply(ctx, Command::OpenDemo(demo)),
+            unknown => {
+                let effects = app.state.run();
+                app.carry_out(ctx, effects);
+                if let Some(demo) = unknown {
+                    app.apply(ctx, Command::OpenDemo(demo));
+                }
+            }
+        }
+        if start.gallery {
+            app.apply(ctx, Command::Show(Overlay::Gallery));
+        }
+        Ok(app)
+    }
+
+    /// What stands on the screen, as one JSON object.
+    pub fn status_json(&self) -> String {
+        let mut status = self.state.status();
+        let camera = serde_json::to_value(self.view.camera()).unwrap_or_default();
+        if let Some(fields) = status.as_object_mut() {
+            fields.insert("backend".to_owned(), self.host.backend().into());
+            fields.insert("camera".to_owned(), camera);
+        }
+        status.to_string()
+    }
+
+    /// The plan as JSON; `None` while there is none for the present scene.
+    pub fn plan_json(&self) -> Option<String> {
+        self.state.plan_json()
+    }
+
+    /// The state that the panels show.
+    pub fn state(&self) -> &ViewerState {
+        &self.state
+    }
+
+    /// Opens a file as if it had been dropped.
+    pub fn open_file(&mut self, ctx: &Context, name: String, bytes: Vec<u8>) {
+        self.apply(ctx, Command::OpenFile { name, bytes });
+    }
+
+    /// Opens a demo by name.
+    pub fn open_demo(&mut self, ctx: &Context, name: &str) {
+        self.apply(ctx, Command::OpenDemo(name.to_owned()));
+    }
+
+    /// Starts or stops the playing.
+    pub fn set_playing(&mut self, ctx: &Context, playing: bool) {
+        self.apply(ctx, Command::SetPlaying(playing));
+    }
+
+    /// Goes to a time of the plan, seconds.
+    pub fn seek(&mut self, ctx: &Context, time_s: f64) {
+        self.apply(ctx, Command::Seek(time_s));
+    }
+
+    /// Does what a person could do.
+    pub fn apply(&mut self, ctx: &Context, command: Command) {
+        let effects = self.state.apply(command);
+        self.carry_out(ctx, effects);
+        ctx.request_repaint();
+    }
+
+    fn carry_out(&mut self, ctx: &Context, effects: Vec<Effect>) {
+        for effect in effects {
+            match effect {
+                Effect::Run(request) => self.host.submit(*request),
+                Effect::Cancel => self.host.cancel(),
+                Effect::FrameAll => self.view.frame_all(),
+                Effect::Look(view) => self.view.look(view),
+                Effect::Announce(sentence) => self.host.announce(&sentence),
+                Effect::Theme(choice) => ctx.set_theme(match choice {
+                    ThemeChoice::System => egui::ThemePreference::System,
+                    ThemeChoice::Dark => egui::ThemePreference::Dark,
+                    ThemeChoice::Light => egui::ThemePreference::Light,
+                }),
+                Effect::Screenshot => self.ask_for_screenshot(ctx),
+            }
+        }
+    }
+
+    /// Updates of the worker, files that were read, pictures that were taken.
+    fn take_in(&mut self, ctx: &Context) {
+        for update in self.host.poll() {
+            let effects = self.state.receive(update);
+            self.carry_out(ctx, effects);
+            ctx.request_repaint();
+        }
+        let arrived = std::mem::take(&mut *self.inbox.lock().unwrap_or_else(PoisonError::into_inner));
+        for command in arrived {
+            self.apply(ctx, command);
+        }
+        self.take_screenshot(ctx);
+        let dropped = ctx.input(|input| input.raw.dropped_files.clone());
+        // One scene or cloud at a time: of several files the first one counts.
+        if let Some(file) = dropped.first() {
+            read(file, &self.inbox, ctx);
+            if dropped.len() > 1 {
+                let text = format!("{} files were dropped; only the first one was opened.", dropped.len());
+                self.state.say(false, text, Vec::new());
+            }
+        }
+    }
+
+    fn ask_for_screenshot(&mut self, ctx: &Context) {
+        let place = Arc::new(Mutex::new(None));
+        self.screenshot = Screenshot::Waiting(place.clone());
+        let repaint = ctx.clone();
+        ctx.request_screenshot(move |image| {
+            *place.lock().unwrap_or_else(PoisonError::into_inner) = Some(image);
+            repaint.request_repaint();
+        });
+    }
+
+    fn take_screenshot(&mut self, ctx: &Context) {
+        let Screenshot::Waiting(place) = &self.screenshot else { return };
+        let arrived = place.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let Some(image) = arrived else { return };
+        self.screenshot = Screenshot::None;
+        match png(&image) {
+            Ok(bytes) => {
+                let name = format!("endcomfort-{}-{:.2}s.png", self.state.scene().name, self.state.playback.time_s);
+                let sentence = self.host.save(&name, &bytes);
+                self.state.say(false, sentence, Vec::new());
+            }
+            Err(reason) => self.state.say(true, format!("The picture could not be saved: {reason}."), Vec::new()),
+        }
+        ctx.request_repaint();
+    }
+}
+
+impl eframe::App for App {
+    fn logic(&mut self, ctx: &Context, _frame: &mut eframe::Frame) {
+        self.take_in(ctx);
+        if self.state.playback.playing {
+            self.state.advance(f64::from(ctx.input(|input| input.stable_dt)).min(0.1));
+            ctx.request_repaint();
+        } else if self.state.running {
+            // The host wakes us when it can; this is for the one that cannot.
+            ctx.request_repaint_after_secs(0.05);
+        }
+    }
+
+    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+        let mut commands = self.view.show(ui, &self.state, &mut *self.studio);
+        if matches!(self.screenshot, Screenshot::None) {
+            commands.extend(draw_panels(ui, &self.state));
+        }
+        let ctx = ui.ctx().clone();
+        for command in commands {
+            self.apply(&ctx, command);
+        }
+    }
+
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        visuals.panel_fill.to_normalized_gamma_f32()
+    }
+
+    #[cfg(target_arch = "wasm32")]
+    fn as_any_mut(&mut self) -> Option<&mut dyn std::any::Any> {
+        Some(self)
+    }
+}
+
+fn png(image: &ColorImage) -> Result<Vec<u8>, String> {
+    let [width, height] = image.size.map(|side| side as u32);
+    let pixels: Vec<u8> = image.pixels.iter().flat_map(|pixel| pixel.to_opaque().to_array()).collect();
+    let picture = image::RgbaImage::from_raw(width, height, pixels).ok_or("its size does not match its pixels")?;
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    picture.write_to(&mut bytes, image::ImageFormat::Png).map_err(|error| error.to_string())?;
+    Ok(bytes.into_inner())
+}
+
+/// The command that a read file stands for.
+fn opened(name: String, result: Result<Vec<u8>, String>) -> Command {
+    match result {
+        Ok(bytes) => Command::OpenFile { name, bytes },
+        Err(reason) => Command::FileFailed { name, reason },
+    }
+}
+
+fn read(file: &egui::DroppedFileHandle, inbox: &Inbox, ctx: &Context) {
+    let name = file.path().file_name().map_or("file".to_owned(), |name| name.to_string_lossy().into_owned());
+    #[cfg(not(target_arch = "wasm32"))]
+    {
+        inbox.lock().unwrap_or_else(PoisonError::into_inner).push(opened(name, file.bytes()));
+        ctx.request_repaint();
+    }
+    #[cfg(target_arch = "wasm32")]
+    {
+        let (file, inbox, ctx) = (file.clone(), inbox.clone(), ctx.clone());
+        wasm_bindgen_futures::spawn_local(async move {
+            let command = opened(name, file.bytes_async().await);
+            inbox.lock().unwrap_or_else(PoisonError::into_inner).push(command);
+            ctx.request_repaint();
+        });
+    }
+}

@@ -1,0 +1,401 @@
+//! What a person can do, and what each deed does to the state.
+
+use std::sync::Arc;
+
+use endcomfort_core::fit::MirrorMode;
+use endcomfort_core::job::{DroppedCloud, Request, Stage};
+use endcomfort_core::scene::{ArmChoice, SCENE_VERSION, Scene};
+
+use super::state::{Column, IkChoice, Side, StageState, Standing, Step, ThemeChoice};
+use super::{Document, Layer, Overlay, Playback, ViewerState};
+
+/// Something a person does.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Command {
+    /// Opens the demo of this name.
+    OpenDemo(String),
+    /// Opens a file: a scene (`.json`) or a cloud.
+    OpenFile { name: String, bytes: Vec<u8> },
+    /// Reports a file that could not be read.
+    FileFailed { name: String, reason: String },
+    /// Hands the scene to another robot.
+    SetRobot(String),
+    /// Lets another arm act.
+    SetArm(ArmChoice),
+    /// Sets the seed of everything random.
+    SetSeed(u64),
+    /// Whether the unseen side is completed by a mirror image.
+    SetMirror(MirrorMode),
+    /// Grasps another cluster.
+    GraspCluster(usize),
+    /// Plans with this grasp, `None` with the first that works.
+    PlanWithGrasp(Option<u32>),
+    /// Stops the computation.
+    Cancel,
+    /// Runs the pipeline again.
+    Run,
+    /// Takes back the last edit.
+    Undo,
+    /// Does an edit again that was taken back.
+    Redo,
+    /// Shows a step in the inspector.
+    SelectStep(Step),
+    /// Selects a grasp.
+    SelectGrasp(u32),
+    /// Selects the row so many rows further down the table.
+    MoveSelection(isize),
+    /// Selects a cluster.
+    SelectCluster(usize),
+    /// Points at a grasp.
+    HoverGrasp(Option<u32>),
+    /// Points at a cluster.
+    HoverCluster(Option<usize>),
+    /// Shows a solution of the selected grasp's IK set; `None` goes back to the plan.
+    ShowIk(Option<IkChoice>),
+    /// Sorts the table by a column; once more turns the order round.
+    SortBy(Column),
+    /// Whether rejected candidates are listed.
+    ShowRejected(bool),
+    /// Starts or stops the playing.
+    SetPlaying(bool),
+    /// Goes to a time, seconds.
+    Seek(f64),
+    /// Goes forth or back by so many seconds.
+    Nudge(f64),
+    /// The next of the offered speeds.
+    NextSpeed,
+    /// Whether the end leads back to the start.
+    ToggleLoop,
+    /// Shows or hides a layer.
+    ToggleLayer(Layer),
+    /// Sets the opacity of a layer, [0, 1].
+    SetOpacity(Layer, f32),
+    /// Changes the theme.
+    SetTheme(ThemeChoice),
+    /// Covers the page, or uncovers it.
+    Show(Overlay),
+    /// Opens or closes a side panel of a narrow window.
+    ToggleDrawer(Side),
+    /// Closes a message.
+    Dismiss(u64),
+    /// Closes whatever is uppermost: overlay, drawer, messages, IK preview.
+    Escape,
+    /// Brings everything into the view.
+    FrameAll,
+    /// Looks from a named side.
+    Look(NamedView),
+    /// Saves a picture of the view.
+    Screenshot,
+}
+
+/// A side to look from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NamedView {
+    /// From the front, key 1.
+    Front,
+    /// From the right side, key 3.
+    Side,
+    /// From above, key 7.
+    Top,
+}
+
+/// What the world outside the state has to do.
+#[derive(Clone, Debug)]
+pub enum Effect {
+    /// Hand this request to the worker.
+    Run(Box<Request>),
+    /// Stop the worker.
+    Cancel,
+    /// Move the camera so that everything is seen.
+    FrameAll,
+    /// Look from a named side.
+    Look(NamedView),
+    /// Save a picture of the view.
+    Screenshot,
+    /// Change the theme.
+    Theme(ThemeChoice),
+    /// Say this to assistive technology.
+    Announce(String),
+}
+
+impl ViewerState {
+    /// Does what the person asked for.
+    pub fn apply(&mut self, command: Command) -> Vec<Effect> {
+        match command {
+            Command::OpenDemo(name) => return self.open_demo(&name),
+            Command::OpenFile { name, bytes } => return self.open_file(name, bytes),
+            Command::FileFailed { name, reason } => {
+                let sentence = format!("{name} could not be read: {reason}. The scene is as it was.");
+                self.say(true, sentence.clone(), Vec::new());
+                return vec![Effect::Announce(sentence)];
+            }
+            Command::SetRobot(name) => {
+                let posture = self.robots.iter().find(|robot| robot.name == name).map(|robot| robot.posture.clone());
+                return self.edit_scene(|scene| {
+                    scene.robot = name;
+                    if let Some(posture) = posture {
+                        scene.posture = posture;
+                    }
+                });
+            }
+            Command::SetArm(arm) => return self.edit_scene(|scene| scene.arm = arm),
+            Command::SetSeed(seed) => return self.edit_scene(|scene| scene.seed = seed),
+            Command::SetMirror(mirror) => return self.edit_scene(|scene| scene.fit.mirror = mirror),
+            Command::GraspCluster(cluster) => {
+                return self.edit(|document| {
+                    document.cluster = Some(cluster);
+                    document.grasp = None;
+                });
+            }
+            Command::PlanWithGrasp(grasp) => {
+                self.selection.step = Step::Stage(Stage::Plan);
+                return self.edit(|document| document.grasp = grasp);
+            }
+            Command::Cancel => return self.cancel(),
+            Command::Run => {
+                let document = self.document.clone();
+                self.set_document(document);
+                return self.run();
+            }
+            Command::Undo => {
+                if let Some(document) = self.history.undo(&self.document) {
+                    return self.replace(document);
+                }
+            }
+            Command::Redo => {
+                if let Some(document) = self.history.redo(&self.document) {
+                    return self.replace(document);
+                }
+            }
+            Command::SelectStep(step) => {
+                self.selection.step = step;
+                if step == Step::Play {
+                    self.selection.ik = None;
+                }
+            }
+            Command::SelectGrasp(id) => self.select_grasp(id),
+            Command::MoveSelection(rows) => self.move_selection(rows),
+            Command::SelectCluster(cluster) => {
+                self.selection.cluster = Some(cluster);
+                if !matches!(self.selection.step, Step::Stage(Stage::Segment | Stage::Fit)) {
+                    self.selection.step = Step::Stage(Stage::Segment);
+                }
+            }
+            Command::HoverGrasp(grasp) => self.hover.grasp = grasp,
+            Command::HoverCluster(cluster) => self.hover.cluster = cluster,
+            Command::ShowIk(ik) => {
+                self.selection.ik = ik;
+                self.playback.playing &= ik.is_none();
+            }
+            Command::SortBy(column) => {
+                self.table.reversed = self.table.sort == column && !self.table.reversed;
+                self.table.sort = column;
+            }
+            Command::ShowRejected(rejected) => self.table.rejected = rejected,
+            Command::SetPlaying(true) => {
+                let duration_s = self.duration_s();
+                self.playback.play(duration_s);
+                self.selection.ik = None;
+            }
+            Command::SetPlaying(false) => self.playback.playing = false,
+            Command::Seek(time_s) => self.seek(time_s),
+            Command::Nudge(step_s) => {
+                self.playback.playing = false;
+                self.seek(self.playback.time_s + step_s);
+            }
+            Command::NextSpeed => {
+                let next = Playback::SPEEDS.into_iter().find(|&speed| speed > self.playback.speed);
+                self.playback.speed = next.unwrap_or(Playback::SPEEDS[0]);
+            }
+            Command::ToggleLoop => self.playback.looping = !self.playback.looping,
+            Command::ToggleLayer(layer) => {
+                let view = self.layers.get_mut(layer);
+                view.visible = !view.visible;
+            }
+            Command::SetOpacity(layer, opacity) => {
+                let view = self.layers.get_mut(layer);
+                view.opacity = opacity.max(0.05).min(1.0);
+                view.visible = true;
+            }
+            Command::SetTheme(theme) => {
+                self.theme = theme;
+                return vec![Effect::Theme(theme)];
+            }
+            Command::Show(overlay) => {
+                self.overlay = overlay;
+                self.drawer = None;
+            }
+            Command::ToggleDrawer(side) => self.drawer = (self.drawer != Some(side)).then_some(side),
+            Command::Dismiss(id) => self.messages.retain(|message| message.id != id),
+            Command::Escape => self.escape(),
+            Command::FrameAll => return vec![Effect::FrameAll],
+            Command::Look(view) => return vec![Effect::Look(view)],
+            Command::Screenshot => return vec![Effect::Screenshot],
+        }
+        Vec::new()
+    }
+
+    /// Lets time pass.
+    pub fn advance(&mut self, dt_s: f64) {
+        let duration_s = self.duration_s();
+        self.playback.advance(dt_s, duration_s);
+    }
+
+    /// The request for the present document.
+    pub fn run(&mut self) -> Vec<Effect> {
+        self.running = true;
+        vec![Effect::Run(Box::new(self.document.request(self.revision)))]
+    }
+
+    fn open_demo(&mut self, name: &str) -> Vec<Effect> {
+        let Some(demo) = self.demo_named(name) else {
+            let known: Vec<&str> = self.demos.iter().map(|demo| demo.name.as_str()).collect();
+            let sentence = format!("There is no demo named {name:?}. The demos are {}.", known.join(", "));
+            self.say(true, sentence.clone(), Vec::new());
+            return vec![Effect::Announce(sentence)];
+        };
+        let document = Document::new(demo.scene.clone());
+        self.overlay = Overlay::None;
+        self.drawer = None;
+        self.playback.playing = false;
+        self.demo = Some(name.to_owned());
+        if document == self.document && self.outputs.scene.is_some() {
+            return vec![Effect::FrameAll];
+        }
+        self.outputs = super::Outputs::default();
+        self.outputs_version += 1;
+        self.selection = super::Selection { step: self.selection.step, cluster: None, grasp: None, ik: None };
+        let mut effects = self.edit(|present| *present = document);
+        effects.push(Effect::FrameAll);
+        effects
+    }
+
+    fn open_file(&mut self, name: String, bytes: Vec<u8>) -> Vec<Effect> {
+        self.overlay = Overlay::None;
+        if bytes.is_empty() {
+            return self.apply(Command::FileFailed { name, reason: "it is empty".to_owned() });
+        }
+        let standing = (self.outputs.scene.is_some() && !self.is_stale(Stage::Scene)).then(|| {
+            Box::new(Standing {
+                document: self.document.clone(),
+                revision: self.revision,
+                stages: self.stages.clone(),
+                outputs: self.outputs.clone(),
+                demo: self.demo.clone(),
+            })
+        });
+        let effects = if name.to_ascii_lowercase().ends_with(".json") {
+            match read_scene(&bytes) {
+                Ok(scene) => self.edit(|document| *document = Document::new(Arc::new(scene))),
+                Err(reason) => return self.apply(Command::FileFailed { name, reason }),
+            }
+        } else {
+            let cloud = Arc::new(DroppedCloud { name, bytes });
+            self.edit(|document| {
+                document.cloud = Some(cloud);
+                document.cluster = None;
+                document.grasp = None;
+            })
+        };
+        if !effects.is_empty() {
+            self.fallback = standing;
+            self.demo = None;
+            self.playback.playing = false;
+        }
+        effects
+    }
+
+    /// Changes the document as one step of undo; nothing happens if nothing changed.
+    fn edit(&mut self, change: impl FnOnce(&mut Document)) -> Vec<Effect> {
+        let mut document = self.document.clone();
+        change(&mut document);
+        if document == self.document {
+            return Vec::new();
+        }
+        self.fallback = None;
+        self.history.record(self.document.clone());
+        self.set_document(document);
+        self.run()
+    }
+
+    fn edit_scene(&mut self, change: impl FnOnce(&mut Scene)) -> Vec<Effect> {
+        self.edit(|document| {
+            change(Arc::make_mut(&mut document.scene));
+            // Another robot, arm or seed makes other candidates, so a number asked for earlier means nothing.
+            document.grasp = None;
+        })
+    }
+
+    fn replace(&mut self, document: Document) -> Vec<Effect> {
+        self.fallback = None;
+        let scene = document.scene.clone();
+        self.demo = self.demos.iter().find(|demo| demo.scene.name == scene.name).map(|demo| demo.name.clone());
+        self.set_document(document);
+        self.run()
+    }
+
+    fn cancel(&mut self) -> Vec<Effect> {
+        if !self.running {
+            return Vec::new();
+        }
+        self.running = false;
+        for stage in Stage::ALL {
+            if matches!(self.stage(stage), StageState::Running { .. }) {
+                let old = self.outputs.revision(stage).is_some();
+                *self.stage_mut(stage) = if old { StageState::Stale } else { StageState::Waiting };
+            }
+        }
+        vec![Effect::Cancel]
+    }
+
+    fn seek(&mut self, time_s: f64) {
+        if time_s.is_finite() {
+            self.playback.time_s = time_s.max(0.0).min(self.duration_s());
+            self.selection.ik = None;
+        }
+    }
+
+    fn select_grasp(&mut self, id: u32) {
+        if self.outputs.candidate(id).is_none() {
+            return;
+        }
+        if self.selection.grasp != Some(id) {
+            self.selection.ik = None;
+        }
+        self.selection.grasp = Some(id);
+        if !matches!(self.selection.step, Step::Stage(Stage::Grasps | Stage::Rank)) {
+            self.selection.step = Step::Stage(if self.outputs.rank.is_some() { Stage::Rank } else { Stage::Grasps });
+        }
+    }
+
+    fn move_selection(&mut self, by: isize) {
+        let rows = self.table_rows();
+        let grasps = self.outputs.candidates();
+        let present = rows.iter().position(|&row| Some(grasps[row].id) == self.selection.grasp);
+        let next = present.map_or(0, |row| row.saturating_add_signed(by)).min(rows.len().saturating_sub(1));
+        if let Some(id) = rows.get(next).map(|&row| grasps[row].id) {
+            self.select_grasp(id);
+        }
+    }
+
+    fn escape(&mut self) {
+        if self.overlay != Overlay::None {
+            self.overlay = Overlay::None;
+        } else if self.drawer.is_some() {
+            self.drawer = None;
+        } else if self.selection.ik.is_some() {
+            self.selection.ik = None;
+        } else {
+            self.messages.clear();
+        }
+    }
+}
+
+/// Reads a scene file.
+fn read_scene(bytes: &[u8]) -> Result<Scene, String> {
+    let scene: Scene = serde_json::from_slice(bytes).map_err(|error| format!("it is no scene of ours ({error})"))?;
+    if scene.version != SCENE_VERSION {
+        return Err(format!("its format has version {}, this program reads version {SCENE_VERSION}", scene.version));
+    }
+    Ok(scene)
+}

@@ -1,0 +1,111 @@
+//! What the 3D picture is made from, and what it consists of.
+
+use endcomfort_core::scene::Scene;
+use nalgebra::Point3;
+
+use super::{Document, Hover, Layers, Outputs, Selection, Situation};
+use crate::render::{Bounds, Frame, Scale};
+
+/// Everything that the picture depends on; two equal inputs (see [`ViewKey`]) give the same picture.
+#[derive(Clone, Copy)]
+pub struct ComposeInput<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The document around it: the dropped cloud, the asked-for cluster and grasp.
+    pub document: &'a Document,
+    /// Revision of the document; an output of another revision is stale.
+    pub revision: u64,
+    /// Results so far. A stale one is still to be drawn, dimmed.
+    pub outputs: &'a Outputs,
+    /// What is selected: step, cluster, grasp.
+    pub selection: &'a Selection,
+    /// What is under the pointer in a panel or in the view.
+    pub hover: &'a Hover,
+    /// Opacity of each layer; [`Layers::opacity`] is 0 for a hidden one.
+    pub layers: &'a Layers,
+    /// How the robot stands.
+    pub posture: Posture,
+    /// Whether the theme is dark.
+    pub dark: bool,
+}
+
+/// How the robot stands in the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Posture {
+    /// In the scene's start posture, the object where it was seen.
+    Start,
+    /// As the plan has it at this time, seconds from its start.
+    Plan {
+        /// Seconds.
+        time_s: f64,
+    },
+    /// In one configuration of a grasp's IK set, the object at the start or at the goal.
+    Ik {
+        /// Number of the grasp.
+        grasp: u32,
+        /// Start or goal.
+        at: Situation,
+        /// Index into [`endcomfort_core::grasp::Situated::solutions`].
+        index: usize,
+    },
+}
+
+/// What the picture depends on, small enough to compare on every frame: no change, no new picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ViewKey {
+    pub(super) revision: u64,
+    pub(super) outputs_version: u64,
+    pub(super) selection: Selection,
+    pub(super) hover: Hover,
+    pub(super) layers: Layers,
+    pub(super) posture: Posture,
+    pub(super) dark: bool,
+}
+
+/// The picture: what the renderer draws, and what is written over it.
+#[derive(Clone, Default)]
+pub struct Picture {
+    /// The draw list.
+    pub frame: Frame,
+    /// Words at places in the world.
+    pub labels: Vec<Label>,
+    /// The meaning of the colours, if data colours are shown.
+    pub scale: Option<ScaleBar>,
+    /// The box that `F` frames; `None` frames whatever is drawn.
+    pub bounds: Option<Bounds>,
+}
+
+/// A word at a place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Label {
+    /// Where, in the world, metres; the word stands above it.
+    pub p_W: Point3<f64>,
+    /// What.
+    pub text: String,
+    /// Its colour.
+    pub tone: Tone,
+}
+
+/// What a label speaks of; the theme knows its colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Tone {
+    /// An object, a link.
+    Plain,
+    /// The object that is grasped, the fit.
+    Fit,
+    /// A goal.
+    Goal,
+    /// A grasp.
+    Grasp,
+    /// A collision, a rejection.
+    Rejected,
+}
+
+/// The meaning of data colours.
+#[derive(Clone, Debug)]
+pub struct ScaleBar {
+    /// Quantity and unit: `m_g at the goal`.
+    pub title: String,
+    /// Colours and range.
+    pub scale: Scale,
+}

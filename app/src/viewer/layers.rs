@@ -1,0 +1,73 @@
+//! What the view shows, layer by layer.
+
+/// A thing that can be shown or hidden.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Layer {
+    Robot,
+    Cloud,
+    Clusters,
+    Fits,
+    Goal,
+    Grasps,
+    Rejected,
+    Path,
+}
+
+impl Layer {
+    /// All layers in the order of the list.
+    pub const ALL: [Self; 8] =
+        [Self::Robot, Self::Cloud, Self::Clusters, Self::Fits, Self::Goal, Self::Grasps, Self::Rejected, Self::Path];
+
+    /// What a person reads.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Robot => "Robot",
+            Self::Cloud => "Cloud",
+            Self::Clusters => "Clusters",
+            Self::Fits => "Superquadric fits",
+            Self::Goal => "Goal pose",
+            Self::Grasps => "Grasps",
+            Self::Rejected => "Rejected",
+            Self::Path => "Path",
+        }
+    }
+}
+
+/// How one layer is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LayerView {
+    /// Whether it is shown.
+    pub visible: bool,
+    /// Opacity in [0, 1].
+    pub opacity: f32,
+}
+
+/// How all layers are shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layers([LayerView; Layer::ALL.len()]);
+
+impl Default for Layers {
+    fn default() -> Self {
+        let mut layers = Self([LayerView { visible: true, opacity: 1.0 }; Layer::ALL.len()]);
+        layers.get_mut(Layer::Fits).opacity = 0.6;
+        layers.get_mut(Layer::Rejected).visible = false;
+        layers
+    }
+}
+
+impl Layers {
+    /// How a layer is shown.
+    pub fn get(&self, layer: Layer) -> LayerView {
+        self.0[layer as usize]
+    }
+
+    pub(super) fn get_mut(&mut self, layer: Layer) -> &mut LayerView {
+        &mut self.0[layer as usize]
+    }
+
+    /// Opacity in [0, 1]; 0 when hidden.
+    pub fn opacity(&self, layer: Layer) -> f32 {
+        let view = self.get(layer);
+        if view.visible { view.opacity } else { 0.0 }
+    }
+}

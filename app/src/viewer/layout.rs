@@ -1,0 +1,90 @@
+//! Where the panels float: one place decides all rectangles.
+
+use egui::{Rect, pos2, vec2};
+
+use super::state::Side;
+use super::theme::MARGIN;
+
+/// Below this width, points, the side panels become drawers.
+pub(super) const NARROW: f32 = 900.0;
+const TOP_BAR: f32 = 44.0;
+const TIMELINE: f32 = 122.0;
+
+/// The rectangles of one frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Layout {
+    pub(super) window: Rect,
+    pub(super) top: Rect,
+    pub(super) left: Option<Rect>,
+    pub(super) right: Option<Rect>,
+    pub(super) timeline: Rect,
+    /// What the panels leave free of the view.
+    pub(super) free: Rect,
+    pub(super) is_narrow: bool,
+}
+
+impl Layout {
+    pub(super) fn new(window: Rect, drawer: Option<Side>) -> Self {
+        let is_narrow = window.width() < NARROW;
+        let inner = window.shrink(MARGIN);
+        let top = Rect::from_min_size(inner.min, vec2(inner.width(), TOP_BAR));
+        let timeline = Rect::from_min_max(pos2(inner.left(), inner.bottom() - TIMELINE), inner.max);
+        let (y0, y1) = (top.bottom() + MARGIN, timeline.top() - MARGIN);
+        let widest = inner.width();
+        let left_width = if is_narrow { 256.0 } else { (0.172 * window.width()).max(226.0).min(248.0) };
+        let right_width = if is_narrow { 392.0 } else { (0.3125 * window.width()).max(344.0).min(408.0) };
+        let left = Rect::from_min_max(pos2(inner.left(), y0), pos2(inner.left() + left_width.min(widest), y1));
+        let right = Rect::from_min_max(pos2(inner.right() - right_width.min(widest), y0), pos2(inner.right(), y1));
+        let shown = |side: Side| !is_narrow || drawer == Some(side);
+        let free_x0 = if is_narrow { window.left() } else { left.right() };
+        let free_x1 = if is_narrow { window.right() } else { right.left() };
+        Self {
+            window,
+            top,
+            left: shown(Side::Left).then_some(left),
+            right: shown(Side::Right).then_some(right),
+            timeline,
+            free: Rect::from_min_max(pos2(free_x0, top.bottom()), pos2(free_x1, timeline.top())),
+            is_narrow,
+        }
+    }
+
+    /// The picture's rectangle: it covers the window and its middle is the middle of the free part, so that what the
+    /// camera looks at stands between the panels.
+    pub(super) fn picture(&self) -> Rect {
+        let middle = self.free.center();
+        let reach = |low: f32, at: f32, high: f32| (at - low).max(high - at);
+        let half = vec2(
+            reach(self.window.left(), middle.x, self.window.right()),
+            reach(self.window.top(), middle.y, self.window.bottom()),
+        );
+        Rect::from_center_size(middle, 2.0 * half)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn panels_never_overlap_and_stay_in_the_window() {
+        for (width, height) in [(1440.0, 900.0), (1280.0, 720.0), (900.0, 600.0), (700.0, 900.0), (360.0, 640.0)] {
+            for drawer in [None, Some(Side::Left), Some(Side::Right)] {
+                let window = Rect::from_min_size(egui::Pos2::ZERO, vec2(width, height));
+                let layout = Layout::new(window, drawer);
+                let panels: Vec<Rect> = [Some(layout.top), layout.left, layout.right, Some(layout.timeline)]
+                    .into_iter()
+                    .flatten()
+                    .collect();
+                for (i, a) in panels.iter().enumerate() {
+                    assert!(window.contains_rect(*a), "{a:?} leaves {window:?}");
+                    for b in &panels[i + 1..] {
+                        assert!(!a.intersects(*b), "{a:?} meets {b:?} at {width} × {height}");
+                    }
+                }
+                assert!(layout.picture().contains_rect(window));
+                assert!((layout.picture().center() - layout.free.center()).length() < 1e-3);
+            }
+        }
+    }
+}

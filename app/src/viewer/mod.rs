@@ -1,0 +1,45 @@
+//! What a person sees and touches: panels that float on the 3D view.
+//!
+//! The panels read [`ViewerState`] and emit [`Command`]s; [`ViewerState::apply`] alone changes the state and says what
+//! the world outside has to do ([`Effect`]). Nothing here computes: results arrive as updates of the pipeline, and the
+//! 3D picture is composed by the [`Studio`] from a [`ComposeInput`].
+
+#![allow(non_snake_case, reason = "frame letters: X_WO is the pose of O in W")]
+
+mod app;
+mod commands;
+mod compose_input;
+mod document;
+mod font;
+mod format;
+mod icons;
+mod keys;
+mod layers;
+mod layout;
+mod outputs;
+mod panels;
+mod pick;
+mod playback;
+mod state;
+mod status;
+mod studio;
+mod theme;
+mod updates;
+mod view3d;
+mod widgets;
+
+pub use app::{App, StartOptions};
+pub use commands::{Command, Effect, NamedView};
+pub use compose_input::{ComposeInput, Label, Picture, Posture, ScaleBar, Tone, ViewKey};
+pub use document::Document;
+pub use layers::{Layer, LayerView, Layers};
+pub use outputs::{Dated, Outputs};
+pub use panels::draw_panels;
+pub use pick::Pick;
+pub use playback::Playback;
+pub use state::{
+    Column, Hover, IkChoice, Message, Overlay, Selection, Side, Situation, StageState, Step, TableView, ThemeChoice,
+    ViewerState,
+};
+pub use studio::{Demo, RobotChoice, Studio};
+pub use theme::{Tokens, install as install_theme};

@@ -1,0 +1,136 @@
+//! The results of the stages, each with the revision it was computed from.
+
+use std::ops::Deref;
+use std::sync::Arc;
+
+use endcomfort_core::grasp::Grasp;
+use endcomfort_core::job::{FitOutput, GraspsOutput, Output, RankOutput, SceneOutput, SegmentOutput, Stage};
+use endcomfort_core::task::Plan;
+use nalgebra::Isometry3;
+
+/// A result and the revision of the document that it belongs to.
+#[derive(Debug)]
+pub struct Dated<T> {
+    /// Revision of the document.
+    pub revision: u64,
+    /// The result, shared with whoever draws it.
+    pub value: Arc<T>,
+}
+
+impl<T> Clone for Dated<T> {
+    fn clone(&self) -> Self {
+        Self { revision: self.revision, value: self.value.clone() }
+    }
+}
+
+impl<T> Deref for Dated<T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        &self.value
+    }
+}
+
+/// What the stages have given so far; an older result stays until a newer one stands.
+#[derive(Clone, Debug, Default)]
+pub struct Outputs {
+    /// The cloud.
+    pub scene: Option<Dated<SceneOutput>>,
+    /// Table and clusters.
+    pub segment: Option<Dated<SegmentOutput>>,
+    /// Superquadrics.
+    pub fit: Option<Dated<FitOutput>>,
+    /// Candidates before the arm is asked.
+    pub grasps: Option<Dated<GraspsOutput>>,
+    /// Candidates, ranked.
+    pub rank: Option<Dated<RankOutput>>,
+    /// The plan.
+    pub plan: Option<Dated<Plan>>,
+}
+
+impl Outputs {
+    /// Puts a result in its place and says which stage it was.
+    pub(super) fn put(&mut self, revision: u64, output: Output) -> Stage {
+        fn dated<T>(revision: u64, value: T) -> Option<Dated<T>> {
+            Some(Dated { revision, value: Arc::new(value) })
+        }
+        match output {
+            Output::Scene(value) => {
+                self.scene = dated(revision, value);
+                Stage::Scene
+            }
+            Output::Segment(value) => {
+                self.segment = dated(revision, value);
+                Stage::Segment
+            }
+            Output::Fit(value) => {
+                self.fit = dated(revision, value);
+                Stage::Fit
+            }
+            Output::Grasps(value) => {
+                self.grasps = dated(revision, value);
+                Stage::Grasps
+            }
+            Output::Rank(value) => {
+                self.rank = dated(revision, value);
+                Stage::Rank
+            }
+            Output::Plan(value) => {
+                self.plan = dated(revision, *value);
+                Stage::Plan
+            }
+        }
+    }
+
+    /// Drops the results of a stage and of all that follow from it.
+    pub(super) fn drop_from(&mut self, stage: Stage) {
+        for later in Stage::ALL.into_iter().filter(|&later| later >= stage) {
+            match later {
+                Stage::Scene => self.scene = None,
+                Stage::Segment => self.segment = None,
+                Stage::Fit => self.fit = None,
+                Stage::Grasps => self.grasps = None,
+                Stage::Rank => self.rank = None,
+                Stage::Plan => self.plan = None,
+            }
+        }
+    }
+
+    /// Revision of a stage's result, if there is one.
+    pub fn revision(&self, stage: Stage) -> Option<u64> {
+        match stage {
+            Stage::Scene => self.scene.as_ref().map(|dated| dated.revision),
+            Stage::Segment => self.segment.as_ref().map(|dated| dated.revision),
+            Stage::Fit => self.fit.as_ref().map(|dated| dated.revision),
+            Stage::Grasps => self.grasps.as_ref().map(|dated| dated.revision),
+            Stage::Rank => self.rank.as_ref().map(|dated| dated.revision),
+            Stage::Plan => self.plan.as_ref().map(|dated| dated.revision),
+        }
+    }
+
+    /// The candidates as far as they are known: ranked if the ranking belongs to them, else as they were made.
+    pub fn candidates(&self) -> &[Grasp] {
+        match (&self.rank, &self.grasps) {
+            (Some(rank), Some(grasps)) if rank.revision >= grasps.revision => &rank.grasps,
+            (_, Some(grasps)) => &grasps.grasps,
+            (Some(rank), None) => &rank.grasps,
+            (None, None) => &[],
+        }
+    }
+
+    /// The candidate of this number.
+    pub fn candidate(&self, id: u32) -> Option<&Grasp> {
+        self.candidates().iter().find(|grasp| grasp.id == id)
+    }
+
+    /// Position among the accepted ones from 1, when the ranking knows the grasp as accepted.
+    pub fn rank_of(&self, id: u32) -> Option<usize> {
+        let rank = self.rank.as_ref()?;
+        rank.grasps.iter().take(rank.accepted).position(|grasp| grasp.id == id).map(|index| index + 1)
+    }
+
+    /// Pose of the object frame O in the world at the start.
+    pub fn X_WO_start(&self) -> Option<&Isometry3<f64>> {
+        self.grasps.as_ref().map(|grasps| &grasps.value.X_WO_start)
+    }
+}

@@ -1,0 +1,83 @@
+//! The panels: one file each.
+
+mod drop_zone;
+mod fit;
+mod gallery;
+mod grasp;
+mod grasps;
+mod help;
+mod inspector;
+mod layer_list;
+mod plan;
+mod play;
+mod scene;
+mod segment;
+mod stepper;
+mod table;
+mod timeline;
+mod toasts;
+mod top_bar;
+
+use egui::{Ui, vec2};
+
+use super::layout::Layout;
+use super::widgets::panel;
+use super::{Command, Overlay, ViewerState, keys};
+
+/// What the panels collect in one pass.
+#[derive(Default)]
+struct Out {
+    commands: Vec<Command>,
+    /// The grasp whose row is under the pointer.
+    grasp: Option<u32>,
+    /// The cluster whose row is under the pointer.
+    cluster: Option<usize>,
+}
+
+impl Out {
+    fn push(&mut self, command: Command) {
+        self.commands.push(command);
+    }
+}
+
+/// Draws every panel over whatever the `Ui` shows already, and gives what the person did, keyboard included.
+pub fn draw_panels(ui: &mut Ui, state: &ViewerState) -> Vec<Command> {
+    let mut out = Out { commands: keys::commands(ui.ctx(), state), ..Out::default() };
+    let layout = Layout::new(ui.max_rect(), state.drawer);
+    panel(ui, "Top bar", layout.top, vec2(14.0, 7.0), |ui| top_bar::draw(ui, state, &layout, &mut out));
+    if let Some(rect) = layout.left {
+        panel(ui, "Pipeline", rect, vec2(14.0, 12.0), |ui| {
+            stepper::draw(ui, state, &mut out);
+            layer_list::draw(ui, state, &mut out);
+        });
+    }
+    if let Some(rect) = layout.right {
+        panel(ui, "Inspector", rect, vec2(14.0, 12.0), |ui| inspector::draw(ui, state, &mut out));
+    }
+    panel(ui, "Timeline", layout.timeline, vec2(14.0, 8.0), |ui| timeline::draw(ui, state, &mut out));
+    toasts::draw(ui, state, &layout, &mut out);
+    match state.overlay {
+        Overlay::Gallery => gallery::draw(ui, state, &mut out),
+        Overlay::Help => help::draw(ui, &mut out),
+        Overlay::None => {}
+    }
+    drop_zone::draw(ui);
+    follow_pointer(ui, state, &layout, &mut out);
+    out.commands
+}
+
+/// While the pointer is over a panel, the rows decide what is hovered; over the view, the view does.
+fn follow_pointer(ui: &Ui, state: &ViewerState, layout: &Layout, out: &mut Out) {
+    let over_panel = ui.input(|input| input.pointer.hover_pos()).is_none_or(|pointer| {
+        let panels = [Some(layout.top), layout.left, layout.right, Some(layout.timeline)];
+        panels.into_iter().flatten().any(|rect| rect.contains(pointer))
+    });
+    if over_panel {
+        if state.hover.grasp != out.grasp {
+            out.commands.push(Command::HoverGrasp(out.grasp));
+        }
+        if state.hover.cluster != out.cluster {
+            out.commands.push(Command::HoverCluster(out.cluster));
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! The scene: what stands where, who acts, what is asked for.
+
+use egui::Ui;
+use endcomfort_core::job::Stage;
+use endcomfort_core::scene::{ArmChoice, Task};
+use nalgebra::{Point3, Vector3};
+
+use super::Out;
+use super::inspector::heading;
+use crate::viewer::theme::{SECONDARY, Tokens};
+use crate::viewer::widgets::{key_value, paragraph, section, segmented};
+use crate::viewer::{Command, ViewerState, format};
+
+pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
+    let tokens = Tokens::of(ui);
+    let scene = &state.document.scene;
+    match &state.document.cloud {
+        Some(cloud) => {
+            let size = format::count(cloud.bytes.len() / 1024);
+            heading(
+                ui,
+                state,
+                Stage::Scene,
+                &cloud.name,
+                &format!("Dropped by you, {size} kB, instead of the scene's objects."),
+            );
+        }
+        None => heading(ui, state, Stage::Scene, &scene.title, &scene.summary),
+    }
+    ui.horizontal(|ui| {
+        let chosen = Some(usize::from(scene.arm == ArmChoice::Right));
+        if let Some(index) = segmented(ui, "Arm", &["Left arm", "Right arm"], chosen) {
+            out.push(Command::SetArm(if index == 0 { ArmChoice::Left } else { ArmChoice::Right }));
+        }
+    });
+    ui.add_space(4.0);
+    let _row = key_value(ui, "Robot", &format!("{}, from posture {}", state.robot_title(), scene.posture));
+    let _row = key_value(ui, "Task", &task(state));
+    let _row = key_value(ui, "Table", &table(state));
+    let _row = key_value(ui, "Seed", &scene.seed.to_string());
+
+    if state.document.cloud.is_none() {
+        section(ui, "Objects");
+        for placed in &scene.objects {
+            let _row = key_value(ui, &format::title_of(&placed.object), &at(&placed.X_WO.translation.vector.into()));
+        }
+        for obstacle in &scene.obstacles {
+            let size = obstacle.size_m * 1e3;
+            let text = format!("{:.0} × {:.0} × {:.0} mm", size.x, size.y, size.z);
+            let _row = key_value(ui, &format::title_of(&obstacle.name), &text);
+        }
+    }
+
+    section(ui, "Camera");
+    let X_WC = &scene.X_WC;
+    let _row = key_value(ui, "Position", &at(&X_WC.translation.vector.into()));
+    let z = X_WC.rotation * Vector3::z();
+    let down_deg = (-z.z).max(-1.0).min(1.0).asin().to_degrees();
+    let _row = key_value(ui, "Looks down by", &format!("{down_deg:.0}°"));
+    if let Some(output) = &state.outputs.scene {
+        let cloud = &output.cloud;
+        let _row = key_value(ui, "Points", &format::count(cloud.points.len()));
+        if let Some(grid) = &cloud.grid {
+            let _row = key_value(ui, "Image", &format!("{} × {}", grid.width, grid.height));
+        }
+        if !output.notes.is_empty() {
+            section(ui, "Notes");
+            for note in &output.notes {
+                let _text = paragraph(ui, note, SECONDARY, tokens.secondary);
+            }
+        }
+    }
+}
+
+/// A position in the world, metres.
+pub(super) fn at(p: &Point3<f64>) -> String {
+    format!("{:.2}, {:.2}, {:.2} m", p.x, p.y, p.z)
+}
+
+fn task(state: &ViewerState) -> String {
+    let scene = &state.document.scene;
+    let object =
+        scene.objects.get(scene.task.object()).map_or("object".to_owned(), |placed| placed.object.replace('_', " "));
+    let object = if state.document.cloud.is_some() { "what was found".to_owned() } else { format!("the {object}") };
+    match &scene.task {
+        Task::Pick { .. } => format!("lift {object}"),
+        Task::PickAndPlace { X_WO_goal, .. } => {
+            format!("move {object} to {}", at(&X_WO_goal.translation.vector.into()))
+        }
+    }
+}
+
+fn table(state: &ViewerState) -> String {
+    let table = &state.document.scene.table;
+    let [x, y] = table.size_m;
+    format!("{x:.2} × {y:.2} m, {:.2} m high", table.height_m)
+}

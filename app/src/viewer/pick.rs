@@ -1,0 +1,54 @@
+//! What a click in the view means: numbers that the renderer carries through, and back.
+
+/// A thing that can be clicked in the view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pick {
+    /// Nothing, or something that means nothing.
+    Nothing,
+    /// The robot.
+    Robot,
+    /// The cluster of this index.
+    Cluster(u32),
+    /// The grasp of this number.
+    Grasp(u32),
+}
+
+impl Pick {
+    const KIND_SHIFT: u32 = 28;
+    const INDEX: u32 = (1 << Self::KIND_SHIFT) - 1;
+
+    /// The number for [`crate::render::MeshDraw::pick_id`]; indices from 2²⁸ on mean nothing.
+    pub fn id(self) -> u32 {
+        let pack = |kind: u32, index: u32| if index > Self::INDEX { 0 } else { kind << Self::KIND_SHIFT | index };
+        match self {
+            Self::Nothing => 0,
+            Self::Robot => pack(1, 0),
+            Self::Cluster(index) => pack(2, index),
+            Self::Grasp(id) => pack(3, id),
+        }
+    }
+
+    /// What a number of the renderer means.
+    pub fn from_id(id: u32) -> Self {
+        let index = id & Self::INDEX;
+        match id >> Self::KIND_SHIFT {
+            1 => Self::Robot,
+            2 => Self::Cluster(index),
+            3 => Self::Grasp(index),
+            _ => Self::Nothing,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_pick_survives_the_way_through_the_renderer() {
+        for pick in [Pick::Nothing, Pick::Robot, Pick::Cluster(0), Pick::Cluster(7), Pick::Grasp(0), Pick::Grasp(411)] {
+            assert_eq!(Pick::from_id(pick.id()), pick);
+        }
+        assert_eq!(Pick::Grasp(u32::MAX).id(), 0);
+    }
+}

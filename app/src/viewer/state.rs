@@ -1,0 +1,407 @@
+//! Everything the interface knows: the document, its results, and what a person selected.
+
+use std::sync::Arc;
+
+use endcomfort_core::grasp::{Grasp, Situated};
+use endcomfort_core::job::{Refusal, Stage};
+
+use super::document::History;
+use super::{ComposeInput, Demo, Document, Layers, Outputs, Playback, Posture, RobotChoice, ViewKey, playback};
+
+/// Everything the interface knows. Panels read it; [`ViewerState::apply`] and [`ViewerState::receive`] change it.
+pub struct ViewerState {
+    /// What is asked for.
+    pub document: Document,
+    /// Revision of the document, new with every edit.
+    pub revision: u64,
+    /// Where each stage stands, in the order of [`Stage::ALL`].
+    pub stages: [StageState; Stage::ALL.len()],
+    /// Whether a request is under way.
+    pub running: bool,
+    /// Results so far.
+    pub outputs: Outputs,
+    /// What is selected.
+    pub selection: Selection,
+    /// What is under the pointer.
+    pub hover: Hover,
+    /// What the view shows.
+    pub layers: Layers,
+    /// Where the playing stands.
+    pub playback: Playback,
+    /// How the grasp table is sorted and filtered.
+    pub table: TableView,
+    /// What covers the page.
+    pub overlay: Overlay,
+    /// In a narrow window, the side panel that is open.
+    pub drawer: Option<Side>,
+    /// What the person has to be told, oldest first.
+    pub messages: Vec<Message>,
+    /// The ready demos.
+    pub demos: Vec<Demo>,
+    /// Name of the demo that is open; `None` for a file.
+    pub demo: Option<String>,
+    /// The robots.
+    pub robots: Vec<RobotChoice>,
+    /// Dark, light, or as the system has it.
+    pub theme: ThemeChoice,
+    pub(super) history: History,
+    pub(super) newest_revision: u64,
+    pub(super) outputs_version: u64,
+    pub(super) next_message: u64,
+    /// What stood before a file was opened, until its first stage stands.
+    pub(super) fallback: Option<Box<Standing>>,
+}
+
+/// A document with its results: what is put back when a dropped file turns out to be unreadable.
+pub(super) struct Standing {
+    pub(super) document: Document,
+    pub(super) revision: u64,
+    pub(super) stages: [StageState; Stage::ALL.len()],
+    pub(super) outputs: Outputs,
+    pub(super) demo: Option<String>,
+}
+
+/// Where a stage stands.
+#[derive(Clone, Debug, PartialEq)]
+pub enum StageState {
+    /// Not reached yet.
+    Waiting,
+    /// Under way: fraction in [0, 1] and a few words.
+    Running { fraction: f64, note: String },
+    /// Done for the present revision.
+    Done { elapsed_ms: f64 },
+    /// Cannot be done.
+    Refused(Refusal),
+    /// The result that is shown belongs to an older revision.
+    Stale,
+}
+
+/// A row of the stepper.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Step {
+    /// A stage of the pipeline.
+    Stage(Stage),
+    /// Playing the plan.
+    Play,
+}
+
+impl Step {
+    /// All rows.
+    pub const ALL: [Self; 7] = [
+        Self::Stage(Stage::Scene),
+        Self::Stage(Stage::Segment),
+        Self::Stage(Stage::Fit),
+        Self::Stage(Stage::Grasps),
+        Self::Stage(Stage::Rank),
+        Self::Stage(Stage::Plan),
+        Self::Play,
+    ];
+
+    /// What a person reads.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Stage(stage) => stage.title(),
+            Self::Play => "Play",
+        }
+    }
+}
+
+/// What is selected.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Selection {
+    /// The step whose question the inspector answers.
+    pub step: Step,
+    /// A cluster.
+    pub cluster: Option<usize>,
+    /// A grasp, by its number.
+    pub grasp: Option<u32>,
+    /// The IK solution that the robot shows; `None` while the plan or the start posture is shown.
+    pub ik: Option<IkChoice>,
+}
+
+/// One solution of the selected grasp's IK set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct IkChoice {
+    /// Start or goal.
+    pub at: Situation,
+    /// Index into the set.
+    pub index: usize,
+}
+
+/// Where the object stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Situation {
+    /// Where it was seen.
+    Start,
+    /// Where the task wants it.
+    Goal,
+}
+
+impl Situation {
+    /// The grasp's IK set there.
+    pub fn of(self, grasp: &Grasp) -> Option<&Situated> {
+        match self {
+            Self::Start => grasp.start.as_ref(),
+            Self::Goal => grasp.goal.as_ref(),
+        }
+    }
+}
+
+/// What is under the pointer, in a panel or in the view.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Hover {
+    /// A grasp, by its number.
+    pub grasp: Option<u32>,
+    /// A cluster.
+    pub cluster: Option<usize>,
+}
+
+/// A column of the grasp table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Column {
+    /// Rank, or number.
+    Number,
+    /// m_g at the start.
+    Start,
+    /// m_g at the goal.
+    Goal,
+    /// Size of the IK set at the goal (at the start without a goal).
+    Solutions,
+    /// Ferrari–Canny quality.
+    Epsilon,
+    /// The reason.
+    Why,
+}
+
+/// How the grasp table is sorted and filtered.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TableView {
+    /// The column that orders the rows.
+    pub sort: Column,
+    /// Whether the order is turned round.
+    pub reversed: bool,
+    /// Whether rejected candidates are listed.
+    pub rejected: bool,
+}
+
+/// What covers the page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Overlay {
+    /// Nothing.
+    None,
+    /// The cards of the demos.
+    Gallery,
+    /// The list of keys.
+    Help,
+}
+
+/// A side panel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// Stepper and layers.
+    Left,
+    /// Inspector.
+    Right,
+}
+
+/// A sentence for the person.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Message {
+    /// Its number.
+    pub id: u64,
+    /// Whether it reports a failure; a failure stays until it is closed.
+    pub is_error: bool,
+    /// One sentence: what happened, what still stands, what to do.
+    pub text: String,
+    /// Details, one per line.
+    pub details: Vec<String>,
+}
+
+/// Which theme is wanted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ThemeChoice {
+    /// As the system has it.
+    #[default]
+    System,
+    /// Dark.
+    Dark,
+    /// Light.
+    Light,
+}
+
+impl ViewerState {
+    /// The state before anything ran.
+    pub fn new(document: Document, demos: Vec<Demo>, robots: Vec<RobotChoice>) -> Self {
+        Self {
+            document,
+            revision: 1,
+            stages: std::array::from_fn(|_| StageState::Waiting),
+            running: false,
+            outputs: Outputs::default(),
+            selection: Selection { step: Step::Stage(Stage::Scene), cluster: None, grasp: None, ik: None },
+            hover: Hover::default(),
+            layers: Layers::default(),
+            playback: Playback::default(),
+            table: TableView { sort: Column::Number, reversed: false, rejected: true },
+            overlay: Overlay::None,
+            drawer: None,
+            messages: Vec::new(),
+            demos,
+            demo: None,
+            robots,
+            theme: ThemeChoice::System,
+            history: History::default(),
+            newest_revision: 1,
+            outputs_version: 0,
+            next_message: 0,
+            fallback: None,
+        }
+    }
+
+    /// Where a stage stands.
+    pub fn stage(&self, stage: Stage) -> &StageState {
+        &self.stages[stage as usize]
+    }
+
+    pub(super) fn stage_mut(&mut self, stage: Stage) -> &mut StageState {
+        &mut self.stages[stage as usize]
+    }
+
+    /// Whether the result that a stage shows belongs to an older revision.
+    pub fn is_stale(&self, stage: Stage) -> bool {
+        self.outputs.revision(stage).is_some_and(|revision| revision != self.revision)
+    }
+
+    /// The refusal that ended the last run, and its stage.
+    pub fn refusal(&self) -> Option<(Stage, &Refusal)> {
+        Stage::ALL.into_iter().find_map(|stage| match self.stage(stage) {
+            StageState::Refused(refusal) => Some((stage, refusal)),
+            _ => None,
+        })
+    }
+
+    /// Length of the present plan, seconds; 0 without one.
+    pub fn duration_s(&self) -> f64 {
+        self.outputs.plan.as_ref().map_or(0.0, |plan| playback::duration_s(plan))
+    }
+
+    /// The selected grasp.
+    pub fn selected_grasp(&self) -> Option<&Grasp> {
+        self.selection.grasp.and_then(|id| self.outputs.candidate(id))
+    }
+
+    /// Whether there is an edit to undo.
+    pub fn can_undo(&self) -> bool {
+        self.history.can_undo()
+    }
+
+    /// Whether there is an edit to do again.
+    pub fn can_redo(&self) -> bool {
+        self.history.can_redo()
+    }
+
+    /// How the robot stands in the picture.
+    pub fn posture(&self) -> Posture {
+        match (self.selection.ik, self.selection.grasp, &self.outputs.plan) {
+            (Some(ik), Some(grasp), _) if !self.playback.playing => Posture::Ik { grasp, at: ik.at, index: ik.index },
+            (_, _, Some(_)) => Posture::Plan { time_s: self.playback.time_s },
+            _ => Posture::Start,
+        }
+    }
+
+    /// What the picture is made from.
+    pub fn compose_input(&self, dark: bool) -> ComposeInput<'_> {
+        ComposeInput {
+            scene: &self.document.scene,
+            document: &self.document,
+            revision: self.revision,
+            outputs: &self.outputs,
+            selection: &self.selection,
+            hover: &self.hover,
+            layers: &self.layers,
+            posture: self.posture(),
+            dark,
+        }
+    }
+
+    /// What the picture depends on.
+    pub fn view_key(&self, dark: bool) -> ViewKey {
+        ViewKey {
+            revision: self.revision,
+            outputs_version: self.outputs_version,
+            selection: self.selection.clone(),
+            hover: self.hover.clone(),
+            layers: self.layers,
+            posture: self.posture(),
+            dark,
+        }
+    }
+
+    /// Rows of the grasp table in the order in which they stand, as indices into [`Outputs::candidates`].
+    pub fn table_rows(&self) -> Vec<usize> {
+        let grasps = self.outputs.candidates();
+        let is_accepted = |grasp: &Grasp| grasp.status == endcomfort_core::grasp::GraspStatus::Accepted;
+        let mut rows: Vec<usize> = grasps
+            .iter()
+            .enumerate()
+            .filter(|(_, grasp)| self.table.rejected || is_accepted(grasp))
+            .map(|(index, _)| index)
+            .collect();
+        let m_g = |situated: &Option<Situated>| situated.as_ref().map_or(-1.0, |situated| situated.m_g);
+        let solutions =
+            |grasp: &Grasp| grasp.goal.as_ref().or(grasp.start.as_ref()).map_or(0, |situated| situated.ik_count);
+        match self.table.sort {
+            Column::Number => {}
+            Column::Start => rows.sort_by(|&a, &b| m_g(&grasps[b].start).total_cmp(&m_g(&grasps[a].start))),
+            Column::Goal => rows.sort_by(|&a, &b| m_g(&grasps[b].goal).total_cmp(&m_g(&grasps[a].goal))),
+            Column::Solutions => rows.sort_by_key(|&row| std::cmp::Reverse(solutions(&grasps[row]))),
+            Column::Epsilon => rows.sort_by(|&a, &b| grasps[b].epsilon.total_cmp(&grasps[a].epsilon)),
+            Column::Why => rows.sort_by_key(|&row| grasps[row].status.reason()),
+        }
+        if self.table.reversed {
+            rows.reverse();
+        }
+        rows
+    }
+
+    /// Tells the person something.
+    pub fn say(&mut self, is_error: bool, text: impl Into<String>, details: Vec<String>) {
+        let text = text.into();
+        self.messages.retain(|message| message.text != text);
+        self.messages.push(Message { id: self.next_message, is_error, text, details });
+        self.next_message += 1;
+        // Three sentences are all that anybody reads at once.
+        if self.messages.len() > 3 {
+            self.messages.remove(0);
+        }
+    }
+
+    /// Shares the demo of this name.
+    pub fn demo_named(&self, name: &str) -> Option<&Demo> {
+        self.demos.iter().find(|demo| demo.name == name)
+    }
+
+    /// The robot that acts, as a person reads it.
+    pub fn robot_title(&self) -> String {
+        let name = &self.document.scene.robot;
+        let known = self.robots.iter().find(|robot| robot.name == *name);
+        known.map_or_else(|| super::format::title_of(name), |robot| robot.title.clone())
+    }
+
+    /// Replaces the document: a new revision, the old results stale until new ones stand.
+    pub(super) fn set_document(&mut self, document: Document) {
+        self.newest_revision += 1;
+        self.revision = self.newest_revision;
+        self.document = document;
+        self.running = true;
+        for stage in Stage::ALL {
+            *self.stage_mut(stage) =
+                if self.outputs.revision(stage).is_some() { StageState::Stale } else { StageState::Waiting };
+        }
+    }
+
+    /// Shares the scene.
+    pub fn scene(&self) -> &Arc<endcomfort_core::scene::Scene> {
+        &self.document.scene
+    }
+}

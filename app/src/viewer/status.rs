@@ -1,0 +1,62 @@
+//! The state as JSON, for the page's test interface and for people who script the page.
+
+use endcomfort_core::job::Stage;
+use serde_json::{Value, json};
+
+use super::state::StageState;
+use super::{Overlay, ViewerState};
+
+impl ViewerState {
+    /// What stands on the screen, as one JSON object.
+    pub fn status(&self) -> Value {
+        let stages: Vec<Value> = Stage::ALL.into_iter().map(|stage| self.stage_status(stage)).collect();
+        let outputs = &self.outputs;
+        let fit = outputs.fit.as_ref().and_then(|fit| fit.fits.get(fit.target)).and_then(|fit| fit.as_ref().ok());
+        json!({
+            "scene": self.document.scene.name,
+            "robot": self.document.scene.robot,
+            "demo": self.demo,
+            "file": self.document.cloud.as_ref().map(|cloud| &cloud.name),
+            "seed": self.document.scene.seed,
+            "revision": self.revision,
+            "running": self.running,
+            "stages": stages,
+            "points": outputs.scene.as_ref().map(|scene| scene.cloud.points.len()),
+            "clusters": outputs.segment.as_ref().map(|segment| segment.clusters.len()),
+            "fit_radial_m": fit.map(|fit| fit.radial_m),
+            "candidates": outputs.candidates().len(),
+            "accepted": outputs.rank.as_ref().map(|rank| rank.accepted),
+            "selected_grasp": self.selection.grasp,
+            "planned_grasp": outputs.plan.as_ref().map(|plan| plan.grasp.id),
+            "duration_s": self.duration_s(),
+            "time_s": self.playback.time_s,
+            "playing": self.playback.playing,
+            "overlay": match self.overlay {
+                Overlay::None => Value::Null,
+                Overlay::Gallery => json!("gallery"),
+                Overlay::Help => json!("help"),
+            },
+            "messages": self.messages.iter().map(|message| &message.text).collect::<Vec<_>>(),
+        })
+    }
+
+    fn stage_status(&self, stage: Stage) -> Value {
+        match self.stage(stage) {
+            StageState::Waiting => json!({ "stage": stage, "state": "waiting" }),
+            StageState::Stale => json!({ "stage": stage, "state": "stale" }),
+            StageState::Running { fraction, note } => {
+                json!({ "stage": stage, "state": "running", "fraction": fraction, "note": note })
+            }
+            StageState::Done { elapsed_ms } => json!({ "stage": stage, "state": "done", "elapsed_ms": elapsed_ms }),
+            StageState::Refused(refusal) => {
+                json!({ "stage": stage, "state": "refused", "reason": refusal.message, "details": refusal.details })
+            }
+        }
+    }
+
+    /// The plan as JSON, the same text natively and in the browser; `None` while there is none for the present scene.
+    pub fn plan_json(&self) -> Option<String> {
+        let plan = self.outputs.plan.as_ref().filter(|plan| plan.revision == self.revision)?;
+        serde_json::to_string(&*plan.value).ok()
+    }
+}

@@ -1,0 +1,103 @@
+//! What comes back from the pipeline, put in its place.
+
+use endcomfort_core::job::{Refusal, Stage, Update};
+
+use super::state::{StageState, Step};
+use super::{Effect, Overlay, ViewerState};
+
+impl ViewerState {
+    /// Takes an update; one that belongs to another revision is dropped.
+    pub fn receive(&mut self, update: Update) -> Vec<Effect> {
+        let revision = match &update {
+            Update::Progress { revision, .. }
+            | Update::Done { revision, .. }
+            | Update::Refused { revision, .. }
+            | Update::Finished { revision } => *revision,
+        };
+        if revision != self.revision {
+            return Vec::new();
+        }
+        match update {
+            Update::Progress { stage, fraction, note, .. } => {
+                *self.stage_mut(stage) = StageState::Running { fraction: fraction.max(0.0).min(1.0), note };
+                Vec::new()
+            }
+            Update::Done { elapsed_ms, output, .. } => {
+                let stage = self.outputs.put(revision, *output);
+                self.outputs_version += 1;
+                *self.stage_mut(stage) = StageState::Done { elapsed_ms };
+                self.stage_stands(stage)
+            }
+            Update::Refused { stage, refusal, .. } => self.refused(stage, refusal),
+            Update::Finished { .. } => {
+                self.running = false;
+                for stage in Stage::ALL {
+                    if matches!(self.stage(stage), StageState::Running { .. }) {
+                        *self.stage_mut(stage) = StageState::Waiting;
+                    }
+                }
+                Vec::new()
+            }
+        }
+    }
+
+    /// A new result stands: selections that pointed into the old one follow.
+    fn stage_stands(&mut self, stage: Stage) -> Vec<Effect> {
+        match stage {
+            Stage::Scene => {
+                self.fallback = None;
+                Vec::new()
+            }
+            Stage::Segment => {
+                self.selection.cluster = self.outputs.segment.as_ref().map(|segment| segment.target);
+                Vec::new()
+            }
+            Stage::Fit | Stage::Grasps => Vec::new(),
+            Stage::Rank => {
+                let kept = self.selection.grasp.filter(|&id| self.outputs.rank_of(id).is_some());
+                let first = self.outputs.rank.as_ref().and_then(|rank| rank.grasps.first()).map(|grasp| grasp.id);
+                self.selection.grasp = self.document.grasp.or(kept).or(first);
+                self.selection.ik = None;
+                Vec::new()
+            }
+            Stage::Plan => {
+                self.playback.time_s = 0.0;
+                self.selection.grasp = self.outputs.plan.as_ref().map(|plan| plan.grasp.id);
+                self.selection.ik = None;
+                // Behind the gallery something shall move.
+                self.playback.playing = self.overlay == Overlay::Gallery;
+                self.playback.looping |= self.playback.playing;
+                vec![Effect::Announce(format!("{}: the plan is ready.", self.document.scene.title))]
+            }
+        }
+    }
+
+    fn refused(&mut self, stage: Stage, refusal: Refusal) -> Vec<Effect> {
+        self.running = false;
+        let sentence = refusal.message.clone();
+        if stage == Stage::Scene
+            && let Some(standing) = self.fallback.take()
+        {
+            // The file cannot be read: what stood before it stands again, results included.
+            let _unreadable = self.history.forget();
+            self.document = standing.document;
+            self.revision = standing.revision;
+            self.stages = standing.stages;
+            self.outputs = standing.outputs;
+            self.demo = standing.demo;
+            self.outputs_version += 1;
+            self.say(true, refusal.message, refusal.details);
+            return vec![Effect::Announce(sentence)];
+        }
+        self.outputs.drop_from(stage);
+        self.outputs_version += 1;
+        for later in Stage::ALL.into_iter().filter(|&later| later > stage) {
+            *self.stage_mut(later) = StageState::Waiting;
+        }
+        *self.stage_mut(stage) = StageState::Refused(refusal);
+        self.playback.playing = false;
+        self.selection.ik = None;
+        self.selection.step = Step::Stage(stage);
+        vec![Effect::Announce(format!("{} refused: {sentence}", stage.title()))]
+    }
+}

@@ -1,0 +1,350 @@
+//! The 3D view: the renderer's picture over the whole page, the hand on the camera, and the words on top.
+//!
+//! A picture is composed only when its [`ViewKey`] changed, and drawn only when it, the camera, the size or the theme
+//! changed; time runs here only while the camera travels.
+
+use egui::{
+    Align2, Color32, Mesh, PointerButton, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, vec2,
+};
+use egui_wgpu::RenderState;
+use nalgebra::{Matrix3, Point2, Point3};
+
+use super::layout::Layout;
+use super::theme::{SECONDARY, SMALL, Tokens, font};
+use super::{Command, NamedView, Pick, Picture, Studio, Tone, ViewKey, ViewerState, format};
+use crate::render::{Bounds, BoundsCache, Camera, Named, Picker, Quality, Renderer, Target, Theme, View};
+
+/// Radians per point of dragging: a drag over 600 points turns by half a turn.
+const TURN: f64 = std::f64::consts::PI / 600.0;
+/// How long the camera travels to a named view, seconds.
+const TRAVEL_S: f64 = 0.35;
+
+/// The view and everything that it keeps between frames.
+pub(super) struct View3d {
+    gpu: RenderState,
+    renderer: Renderer,
+    target: Target,
+    texture: egui::TextureId,
+    camera: Camera,
+    travel: Option<Travel>,
+    picture: Picture,
+    composed: Option<ViewKey>,
+    drawn: Option<Drawn>,
+    picker: Picker,
+    bounds: BoundsCache,
+    /// The point that a drag holds.
+    anchor: Option<Point3<f64>>,
+    wants_frame: bool,
+    was_framed: bool,
+}
+
+/// A camera on its way.
+struct Travel {
+    from: Camera,
+    to: Camera,
+    passed_s: f64,
+}
+
+/// What the texture shows.
+#[derive(PartialEq)]
+struct Drawn {
+    camera: Camera,
+    size_px: [u32; 2],
+    theme: Theme,
+}
+
+impl View3d {
+    /// A view that draws with the window's or the page's device.
+    pub(super) fn new(gpu: &RenderState) -> Self {
+        let mut renderer = Renderer::new(&gpu.device, &gpu.queue);
+        renderer.set_quality(Quality::for_adapter(&gpu.adapter.get_info()));
+        let target = Target::new(&gpu.device, [1, 1]);
+        let texture =
+            gpu.renderer.write().register_native_texture(&gpu.device, target.color_view(), wgpu::FilterMode::Linear);
+        Self {
+            gpu: gpu.clone(),
+            renderer,
+            target,
+            texture,
+            camera: Camera::default(),
+            travel: None,
+            picture: Picture::default(),
+            composed: None,
+            drawn: None,
+            picker: Picker::default(),
+            bounds: BoundsCache::default(),
+            anchor: None,
+            wants_frame: true,
+            was_framed: false,
+        }
+    }
+
+    /// Frames everything with the next picture.
+    pub(super) fn frame_all(&mut self) {
+        self.wants_frame = true;
+    }
+
+    /// Travels to a named side.
+    pub(super) fn look(&mut self, view: NamedView) {
+        let mut to = self.camera;
+        to.look_from(match view {
+            NamedView::Front => Named::Front,
+            NamedView::Side => Named::Right,
+            NamedView::Top => Named::Top,
+        });
+        self.travel = Some(Travel { from: self.camera, to, passed_s: 0.0 });
+    }
+
+    /// Where the camera stands.
+    pub(super) fn camera(&self) -> Camera {
+        self.camera
+    }
+
+    /// Draws the view under the panels and gives what the person did in it.
+    pub(super) fn show(&mut self, ui: &mut Ui, state: &ViewerState, studio: &mut dyn Studio) -> Vec<Command> {
+        let layout = Layout::new(ui.max_rect(), state.drawer);
+        let rect = layout.picture();
+        let response = ui.interact(layout.window, ui.scope_id().with("View"), Sense::click_and_drag());
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "3D view"));
+        let dark = ui.visuals().dark_mode;
+        let key = state.view_key(dark);
+        let is_new = self.composed.as_ref() != Some(&key);
+        if is_new {
+            self.picture = studio.compose(&state.compose_input(dark));
+            self.composed = Some(key);
+        }
+        if self.wants_frame {
+            self.frame_picture(&layout, rect);
+        }
+        let mut commands = Vec::new();
+        self.handle(ui, &response, rect, state, &mut commands);
+        self.travel_on(ui);
+        let pixels_per_point = ui.pixels_per_point();
+        let size_px = [rect.width(), rect.height()].map(|side| (side * pixels_per_point).round().max(1.0) as u32);
+        let theme = if dark { Theme::Dark } else { Theme::Light };
+        let wanted = Drawn { camera: self.camera, size_px, theme };
+        if is_new || self.drawn.as_ref() != Some(&wanted) {
+            self.draw(&wanted, pixels_per_point);
+            self.drawn = Some(wanted);
+        }
+        let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
+        ui.painter().image(self.texture, rect, whole, Color32::WHITE);
+        self.labels(ui, rect);
+        self.scale_bar(ui, &layout);
+        commands
+    }
+
+    fn draw(&mut self, wanted: &Drawn, pixels_per_point: f32) {
+        let gpu = &self.gpu;
+        if self.target.resize(&gpu.device, wanted.size_px) {
+            gpu.renderer.write().update_egui_texture_from_wgpu_texture(
+                &gpu.device,
+                self.target.color_view(),
+                wgpu::FilterMode::Linear,
+                self.texture,
+            );
+        }
+        let mut view = View::new(wanted.camera, wanted.theme, wanted.size_px);
+        view.pixels_per_point = pixels_per_point;
+        self.renderer.draw(&gpu.device, &gpu.queue, &self.picture.frame, &view, &mut self.target);
+    }
+
+    /// Brings the picture's bounds into the part of the view that the panels leave free.
+    fn frame_picture(&mut self, layout: &Layout, rect: Rect) {
+        let everything = || Bounds::of_frame(&self.picture.frame, &mut self.bounds);
+        let Some(bounds) = self.picture.bounds.or_else(everything) else { return };
+        let free = layout.free.size().max(Vec2::splat(1.0));
+        let mut to = self.camera;
+        to.frame(&bounds, [f64::from(free.x), f64::from(free.y)]);
+        // The camera's field of view spans the whole picture, of which the free part is only a piece.
+        to.distance_m *= f64::from(rect.height() / free.y);
+        self.wants_frame = false;
+        if self.was_framed {
+            self.travel = Some(Travel { from: self.camera, to, passed_s: 0.0 });
+        } else {
+            self.camera = to;
+            self.was_framed = true;
+        }
+    }
+
+    fn travel_on(&mut self, ui: &Ui) {
+        let Some(travel) = &mut self.travel else { return };
+        travel.passed_s += f64::from(ui.input(|input| input.stable_dt)).min(0.1);
+        let t = (travel.passed_s / TRAVEL_S).min(1.0);
+        self.camera = travel.from.toward(&travel.to, t);
+        if t >= 1.0 {
+            self.travel = None;
+        }
+        ui.ctx().request_repaint();
+    }
+
+    /// Turning, moving, zooming, pointing and clicking.
+    fn handle(&mut self, ui: &Ui, response: &Response, rect: Rect, state: &ViewerState, commands: &mut Vec<Command>) {
+        let size = [f64::from(rect.width()), f64::from(rect.height())];
+        let in_picture = |at: Pos2| Point2::new(f64::from(at.x - rect.left()), f64::from(at.y - rect.top()));
+        if let Some(touch) = ui.input(|input| input.multi_touch()).filter(|_| response.dragged() || response.hovered())
+        {
+            let anchor = self.point_under(in_picture(touch.center_pos), size);
+            self.zoom(f64::from(touch.zoom_delta), &anchor);
+            let to = touch.center_pos;
+            self.camera.pan(&anchor, in_picture(to - touch.translation_delta), in_picture(to), size);
+            self.travel = None;
+            return;
+        }
+        if response.drag_started()
+            && let Some(pointer) = response.interact_pointer_pos()
+        {
+            self.anchor = Some(self.point_under(in_picture(pointer), size));
+            self.travel = None;
+        }
+        if let (true, Some(pointer), Some(anchor)) = (response.dragged(), response.interact_pointer_pos(), self.anchor)
+        {
+            let delta = response.drag_delta();
+            let shift = ui.input(|input| input.modifiers.shift);
+            if response.dragged_by(PointerButton::Primary) && !shift {
+                self.turn(f64::from(-delta.x) * TURN, f64::from(delta.y) * TURN, &anchor);
+            } else {
+                self.camera.pan(&anchor, in_picture(pointer - delta), in_picture(pointer), size);
+            }
+        } else {
+            self.anchor = None;
+        }
+        if !response.hovered() {
+            return;
+        }
+        let Some(pointer) = response.hover_pos() else { return };
+        let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+        if scroll != 0.0 || pinch != 1.0 {
+            let anchor = self.point_under(in_picture(pointer), size);
+            self.zoom(f64::from(pinch) * (f64::from(scroll) / 240.0).exp(), &anchor);
+            self.travel = None;
+        }
+        if !response.dragged() {
+            self.point(response, in_picture(pointer), size, state, commands);
+        }
+    }
+
+    /// What is under the pointer is hovered; a click selects it.
+    fn point(
+        &mut self,
+        response: &Response,
+        at: Point2<f64>,
+        size: [f64; 2],
+        state: &ViewerState,
+        commands: &mut Vec<Command>,
+    ) {
+        let hit = self.picker.pick(&self.picture.frame, self.camera.ray(at, size));
+        let pick = hit.map_or(Pick::Nothing, |hit| Pick::from_id(hit.pick_id));
+        let grasp = if let Pick::Grasp(id) = pick { Some(id) } else { None };
+        let cluster = if let Pick::Cluster(index) = pick { Some(index as usize) } else { None };
+        if state.hover.grasp != grasp {
+            commands.push(Command::HoverGrasp(grasp));
+        }
+        if state.hover.cluster != cluster {
+            commands.push(Command::HoverCluster(cluster));
+        }
+        if response.clicked() {
+            match pick {
+                Pick::Grasp(id) => commands.push(Command::SelectGrasp(id)),
+                Pick::Cluster(index) => commands.push(Command::SelectCluster(index as usize)),
+                Pick::Robot | Pick::Nothing => {}
+            }
+        }
+        if response.double_clicked() && pick == Pick::Nothing {
+            commands.push(Command::FrameAll);
+        }
+    }
+
+    /// The point of the scene under a pixel; without one, the point at the target's depth.
+    fn point_under(&mut self, at: Point2<f64>, size: [f64; 2]) -> Point3<f64> {
+        let ray = self.camera.ray(at, size);
+        match self.picker.pick(&self.picture.frame, ray) {
+            Some(hit) => hit.point,
+            None => {
+                let along = ray.direction.dot(&-self.camera.backward()).max(0.05);
+                let depth_m = self.camera.depth_m(&ray.origin);
+                ray.at((self.camera.distance_m - depth_m) / along)
+            }
+        }
+    }
+
+    /// Turns about a point that keeps its place on the picture.
+    fn turn(&mut self, yaw_rad: f64, pitch_rad: f64, anchor: &Point3<f64>) {
+        let axes = |camera: &Camera| Matrix3::from_columns(&[camera.right(), camera.up(), camera.backward()]);
+        let before = axes(&self.camera);
+        self.camera.orbit(yaw_rad, pitch_rad);
+        let turned = axes(&self.camera) * before.transpose();
+        self.camera.target = anchor + turned * (self.camera.target - anchor);
+    }
+
+    fn zoom(&mut self, nearer: f64, anchor: &Point3<f64>) {
+        if nearer.is_finite() && nearer > 0.0 {
+            self.camera.zoom(1.0 / nearer, anchor);
+        }
+    }
+
+    /// Words above their places; one that would cover another is left out.
+    fn labels(&self, ui: &Ui, rect: Rect) {
+        let tokens = Tokens::of(ui);
+        let size = [f64::from(rect.width()), f64::from(rect.height())];
+        let mut taken: Vec<Rect> = Vec::new();
+        for label in &self.picture.labels {
+            let Some(at) = self.camera.project(&label.p_W, size) else { continue };
+            let at = rect.min + vec2(at.x as f32, at.y as f32);
+            let color = match label.tone {
+                Tone::Plain => tokens.text,
+                Tone::Fit => tokens.teal_text,
+                Tone::Goal => tokens.amber,
+                Tone::Grasp => tokens.violet,
+                Tone::Rejected => tokens.coral,
+            };
+            let galley = ui.painter().layout_no_wrap(label.text.clone(), font(SECONDARY), color);
+            let pill = Rect::from_center_size(at - vec2(0.0, 18.0), galley.size() + vec2(14.0, 6.0));
+            if taken.iter().any(|other| other.intersects(pill)) {
+                continue;
+            }
+            let line = Stroke::new(1.0, tokens.line);
+            ui.painter().line_segment([pill.center_bottom(), at], Stroke::new(1.0, color.gamma_multiply(0.6)));
+            ui.painter().rect(pill, 5.0, tokens.panel, line, StrokeKind::Inside);
+            ui.painter().galley(pill.center() - 0.5 * galley.size(), galley, color);
+            taken.push(pill);
+        }
+    }
+
+    /// The meaning of the data colours, low in the free part of the view.
+    fn scale_bar(&self, ui: &Ui, layout: &Layout) {
+        const STEPS: usize = 48;
+        let Some(bar) = &self.picture.scale else { return };
+        let tokens = Tokens::of(ui);
+        let width = (layout.free.width() - 48.0).min(280.0);
+        if width < 80.0 {
+            return;
+        }
+        let rect = Rect::from_min_size(layout.free.left_bottom() + vec2(24.0, -46.0), vec2(width, 8.0));
+        let back = rect.expand2(vec2(10.0, 8.0)).with_max_y(rect.bottom() + 26.0);
+        ui.painter().rect_filled(back, 6.0, tokens.panel.gamma_multiply(0.75));
+        let mut mesh = Mesh::default();
+        let (min, max) = (bar.scale.min, bar.scale.max);
+        for step in 0..=STEPS {
+            let u = step as f64 / STEPS as f64;
+            let [r, g, b, _] = bar.scale.color(min + u * (max - min)).map(|c| (255.0 * c).round() as u8);
+            let x = rect.left() + rect.width() * u as f32;
+            mesh.colored_vertex(pos2(x, rect.top()), Color32::from_rgb(r, g, b));
+            mesh.colored_vertex(pos2(x, rect.bottom()), Color32::from_rgb(r, g, b));
+            if step > 0 {
+                let i = 2 * step as u32;
+                mesh.add_triangle(i - 2, i - 1, i);
+                mesh.add_triangle(i - 1, i, i + 1);
+            }
+        }
+        ui.painter().add(mesh);
+        let y = rect.bottom() + 4.0;
+        for (x, anchor, text) in [
+            (rect.left(), Align2::LEFT_TOP, format::significant(min)),
+            (rect.center().x, Align2::CENTER_TOP, bar.title.clone()),
+            (rect.right(), Align2::RIGHT_TOP, format::significant(max)),
+        ] {
+            let _rect = ui.painter().text(pos2(x, y), anchor, text, font(SMALL), tokens.secondary);
+        }
+    }
+}
