@@ -23,7 +23,7 @@ pub struct GraspSettings {
 
 impl Default for GraspSettings {
     fn default() -> Self {
-        Self { density: 18, palm_gap_m: 0.008, fingertip_depth_m: 0.010, min_contacts: 3 }
+        Self { density: 14, palm_gap_m: 0.008, fingertip_depth_m: 0.010, min_contacts: 3 }
     }
 }
 
@@ -126,6 +126,10 @@ fn judge(
         grasp.status = GraspStatus::HandInObject { link: hand.links[link].name.clone(), depth_m };
         return grasp;
     }
+    if let Some(hit) = hand_hit(&X_OH, &hand.open) {
+        grasp.status = status_of(hit);
+        return grasp;
+    }
     grasp.closed = close::close(hand, &X_OH, shape.object);
     grasp.contacts = close::contacts(hand, &grasp.closed, &X_OH, shape.object);
     if let Some(width_m) = contact_width(&grasp.contacts, &X_OH) {
@@ -140,17 +144,21 @@ fn judge(
         grasp.status = GraspStatus::OneSided { link: grasp.contacts[0].link.clone() };
         return grasp;
     }
-    if let Some(hit) = hand_hit(&X_OH, &hand.open).or_else(|| hand_hit(&X_OH, &grasp.closed)) {
-        grasp.status = if hit.other == "table" {
-            GraspStatus::HitsTable { link: hit.link }
-        } else {
-            GraspStatus::HitsNeighbour { link: hit.link, neighbour: hit.other }
-        };
+    if let Some(hit) = hand_hit(&X_OH, &grasp.closed) {
+        grasp.status = status_of(hit);
         return grasp;
     }
     let size_m = shape.object.a.max(shape.object.b).max(shape.object.c);
     grasp.epsilon = quality::epsilon(&grasp.contacts, &Point3::origin(), size_m);
     grasp
+}
+
+fn status_of(hit: HandHit) -> GraspStatus {
+    if hit.other == "table" {
+        GraspStatus::HitsTable { link: hit.link }
+    } else {
+        GraspStatus::HitsNeighbour { link: hit.link, neighbour: hit.other }
+    }
 }
 
 /// The hand moved along x_H until the object is centred between the fingers, and the object's width there.

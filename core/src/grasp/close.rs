@@ -6,17 +6,18 @@ use super::{Contact, HandModel};
 use crate::superquadric::Superquadric;
 
 /// How far rubber pads and packaging give, metres: surfaces this close after closing count as touching.
-pub const PAD_GIVE_M: f64 = 0.002;
+pub(super) const PAD_GIVE_M: f64 = 0.002;
 /// Two contacts of one link are at least this far apart, metres: closer ones are one patch.
 const CONTACT_SPACING_M: f64 = 0.008;
 /// Contacts kept per link, the firmest first.
 const CONTACTS_PER_LINK: usize = 4;
-/// Steps of the walk from open to closed; the last one is then halved until it is below a tenth of a millimetre.
-const CLOSING_STEPS: usize = 24;
-const HALVINGS: usize = 8;
+/// A link this close to the object touches it, metres: far below what a pad gives.
+const TOUCH_M: f64 = 1e-4;
+/// Advances of one joint at most; each is as long as the gap allows, so ten are usual.
+const MAX_ADVANCES: usize = 200;
 
 /// How deep the hand is inside the object: the worst link and its depth, metres; negative depths are gaps.
-pub fn deepest(
+pub(super) fn deepest(
     hand: &HandModel,
     X_HL: &[Isometry3<f64>],
     X_OH: &Isometry3<f64>,
@@ -29,6 +30,11 @@ pub fn deepest(
             continue;
         }
         let X_OL = X_OH * X_HL;
+        // The signed distance is a lower bound, so a ball that is clear of the object clears all it holds.
+        let (center, bound) = &link.ball;
+        if bound - object.signed_distance(&(X_OL * center)) < worst.1 {
+            continue;
+        }
         for (center, radius) in &link.spheres {
             let depth = radius - object.signed_distance(&(X_OL * center));
             if depth > worst.1 {
@@ -41,47 +47,38 @@ pub fn deepest(
 
 /// Finger positions after closing from the open posture.
 ///
-/// Every joint of a finger, proximal first, turns towards its closed position until a link that it moves touches.
-pub fn close(hand: &HandModel, X_OH: &Isometry3<f64>, object: &Superquadric) -> Vec<f64> {
+/// Every joint of a finger, proximal first, turns towards its closed position until a link that it moves touches. The
+/// gap to the object is a lower bound, and no point moves faster than the joint's lever: so the joint may advance by
+/// gap / lever without passing the first contact (conservative advancement, Mirtich 1996).
+pub(super) fn close(hand: &HandModel, X_OH: &Isometry3<f64>, object: &Superquadric) -> Vec<f64> {
     let mut positions = hand.open.clone();
     for &value in hand.fingers.iter().flatten() {
         let (open, closed) = (hand.open[value], hand.closed[value]);
-        let touches = |fraction: f64, positions: &mut Vec<f64>| {
-            positions[value] = open + fraction * (closed - open);
-            let X_HL = hand.link_poses(positions);
-            deepest(hand, &X_HL, X_OH, object, |link| hand.links[link].moved_by.contains(&value)).1 > 0.0
-        };
-        let mut free = 0.0;
-        let mut met = None;
-        for step in 1..=CLOSING_STEPS {
-            let fraction = step as f64 / CLOSING_STEPS as f64;
-            if touches(fraction, &mut positions) {
-                met = Some(fraction);
+        let mut left = (closed - open).abs();
+        for _ in 0..MAX_ADVANCES {
+            let X_HL = hand.link_poses(&positions);
+            let moved = |link: usize| hand.links[link].moved_by.contains(&value);
+            let gap_m = -deepest(hand, &X_HL, X_OH, object, moved).1;
+            if gap_m < TOUCH_M || left <= 0.0 {
                 break;
             }
-            free = fraction;
+            let advance = (gap_m / hand.lever(value)).min(left);
+            positions[value] += advance * (closed - open).signum();
+            left -= advance;
         }
-        if let Some(mut met) = met {
-            for _ in 0..HALVINGS {
-                let middle = 0.5 * (free + met);
-                if touches(middle, &mut positions) {
-                    met = middle;
-                } else {
-                    free = middle;
-                }
-            }
-        }
-        positions[value] = open + free * (closed - open);
     }
     positions
 }
 
 /// Where the closed hand touches the object: points of the object's surface, at most four per link.
-pub fn contacts(hand: &HandModel, positions: &[f64], X_OH: &Isometry3<f64>, object: &Superquadric) -> Vec<Contact> {
+pub(super) fn contacts(hand: &HandModel, positions: &[f64], X_OH: &Isometry3<f64>, object: &Superquadric) -> Vec<Contact> {
     let X_HL = hand.link_poses(positions);
     let mut contacts = Vec::new();
     for (link, X_HL) in hand.links.iter().zip(&X_HL) {
         let X_OL = X_OH * X_HL;
+        if object.signed_distance(&(X_OL * link.ball.0)) > link.ball.1 + PAD_GIVE_M {
+            continue;
+        }
         let mut near: Vec<(f64, Point3<f64>)> = link
             .spheres
             .iter()

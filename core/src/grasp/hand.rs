@@ -21,6 +21,8 @@ pub struct HandModel {
     /// Posture in which closing ends when nothing is met.
     pub closed: Vec<f64>,
     X_HP: Isometry3<f64>,
+    /// For each finger value: metres that any point of the hand moves at most per unit of it.
+    levers: Vec<f64>,
 }
 
 /// One link of a hand.
@@ -30,6 +32,8 @@ pub struct HandLink {
     pub name: String,
     /// Spheres that cover its collision bodies, in the link frame: centre and radius, metres.
     pub spheres: Vec<(Point3<f64>, f64)>,
+    /// Ball around all of them: centre in the link frame and radius, metres.
+    pub ball: (Point3<f64>, f64),
     /// Finger values that move this link, proximal first.
     pub moved_by: Vec<usize>,
     parent: usize,
@@ -54,6 +58,7 @@ impl HandModel {
         let mut members = vec![hand.palm_link];
         let mut links = vec![HandLink {
             name: robot.links[hand.palm_link].name.clone(),
+            ball: ball_around(&cover_link(robot, hand.palm_link)),
             spheres: cover_link(robot, hand.palm_link),
             moved_by: Vec::new(),
             parent: 0,
@@ -74,9 +79,11 @@ impl HandModel {
             let mut moved_by = links[parent].moved_by.clone();
             moved_by.extend(motion.map(|m| m.index));
             members.push(joint.child);
+            let spheres = cover_link(robot, joint.child);
             links.push(HandLink {
                 name: robot.links[joint.child].name.clone(),
-                spheres: cover_link(robot, joint.child),
+                ball: ball_around(&spheres),
+                spheres,
                 moved_by,
                 parent,
                 X_PJ: joint.X_PJ,
@@ -93,7 +100,9 @@ impl HandModel {
                 (next - finger.len()..next).collect()
             })
             .collect();
+        let levers = (0..flat.len()).map(|value| lever(&links, value)).collect();
         Self {
+            levers,
             links,
             fingers,
             open: hand.open.clone(),
@@ -125,6 +134,11 @@ impl HandModel {
         X_HL
     }
 
+    /// Metres that any point of the hand moves at most per unit (rad or m) of a finger value.
+    pub fn lever(&self, value: usize) -> f64 {
+        self.levers[value]
+    }
+
     /// Distance between the finger surfaces along x_H when the hand is open, at the height of the TCP, metres.
     pub fn opening_m(&self) -> f64 {
         let X_HL = self.link_poses(&self.open);
@@ -149,6 +163,43 @@ impl HandModel {
         let front = self.links[0].spheres.iter().map(|(c, r)| (self.X_HP * c).z + r);
         -front.fold(f64::NEG_INFINITY, f64::max)
     }
+}
+
+/// For each link that a value moves: the joint's multiplier times the length of the chain from the joint outwards.
+fn lever(links: &[HandLink], value: usize) -> f64 {
+    let mut outwards: Vec<Option<(f64, f64)>> = vec![None; links.len()];
+    let mut lever: f64 = 1e-3;
+    for (index, link) in links.iter().enumerate() {
+        let own = link.motion.filter(|(_, m)| m.index == value);
+        outwards[index] = match (own, outwards[link.parent]) {
+            (Some((kind, m)), _) => Some(if kind == JointKind::Prismatic { (m.multiplier.abs(), 0.0) } else { (0.0, m.multiplier.abs()) }),
+            (None, Some((slide, chain))) => Some((slide, chain)),
+            (None, None) => None,
+        };
+        if let Some((slide, turn)) = outwards[index] {
+            lever = lever.max(slide + turn * reach_from(links, index, value));
+        }
+    }
+    lever
+}
+
+/// Distance from the joint that a value moves to the farthest point of a link, along the chain, metres.
+fn reach_from(links: &[HandLink], index: usize, value: usize) -> f64 {
+    let (center, radius) = &links[index].ball;
+    let mut reach = center.coords.norm() + radius;
+    let mut at = index;
+    while links[at].motion.is_none_or(|(_, m)| m.index != value) && at != links[at].parent {
+        reach += links[at].X_PJ.translation.vector.norm();
+        at = links[at].parent;
+    }
+    reach
+}
+
+/// A ball around spheres: their mean centre and what it takes to hold them all.
+fn ball_around(spheres: &[(Point3<f64>, f64)]) -> (Point3<f64>, f64) {
+    let sum: Vector3<f64> = spheres.iter().map(|(c, _)| c.coords).sum();
+    let center = Point3::from(sum / spheres.len().max(1) as f64);
+    (center, spheres.iter().map(|(c, r)| (c - center).norm() + r).fold(0.0, f64::max))
 }
 
 fn cover_link(robot: &Robot, link: usize) -> Vec<(Point3<f64>, f64)> {

@@ -123,11 +123,15 @@ pub(super) fn grasp_candidates(
     settings: &GraspSettings,
 ) -> Result<Vec<Grasp>, Refusal> {
     let hand_checker = |fingers: &[f64]| HandChecker::new(&cell.model, &cell.world, &[], cell.arm_index, fingers);
-    hand_checker(&cell.hand.open).map_err(|error| refusal(&error))?;
+    let open = hand_checker(&cell.hand.open).map_err(|error| refusal(&error))?;
     Ok(candidates(&cell.hand, target, settings, &|X_OH, fingers| {
-        let checker = hand_checker(fingers).ok()?;
-        let hit = checker.first_hit(&(cell.X_WO_start * X_OH))?;
-        Some(HandHit { link: hit.a, other: hit.b })
+        let X_WH = cell.X_WO_start * X_OH;
+        let hit = if fingers == cell.hand.open {
+            open.first_hit(&X_WH)
+        } else {
+            hand_checker(fingers).ok()?.first_hit(&X_WH)
+        };
+        hit.map(|hit| HandHit { link: hit.a, other: hit.b })
     }))
 }
 
