@@ -224,10 +224,18 @@ impl Checker {
     /// body and each joint before it the largest such distance over all configurations is bounded once: outwards from
     /// the joint, the offset of the next joint perpendicular to the axis plus the reach of everything beyond it.
     pub fn displacement_m(&self, from: &[f64], to: &[f64]) -> f64 {
-        let travel = |levers: &Vec<f64>| {
-            levers.iter().zip(from.iter().zip(to)).map(|(lever, (a, b))| lever * (b - a).abs()).sum::<f64>()
-        };
-        self.levers.iter().map(travel).fold(0.0, f64::max)
+        let mut half = Vec::new();
+        self.half_travel(from, to, &mut half);
+        2.0 * half.into_iter().fold(0.0, f64::max)
+    }
+
+    /// Per moving frame, an upper bound of the distance that its bodies travel along half of the straight motion from
+    /// `from` to `to`, metres; see [`Checker::displacement_m`].
+    pub(crate) fn half_travel(&self, from: &[f64], to: &[f64], travel: &mut Vec<f64>) {
+        travel.clear();
+        travel.extend(self.levers.iter().map(|levers| {
+            0.5 * levers.iter().zip(from.iter().zip(to)).map(|(lever, (a, b))| lever * (b - a).abs()).sum::<f64>()
+        }));
     }
 
     pub(crate) fn name(&self, pair: Pair) -> Hit {

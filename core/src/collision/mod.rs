@@ -26,7 +26,7 @@ pub(crate) mod testing;
 mod world;
 
 pub use checker::{Checker, Clearance, Hit, Scratch};
-pub(crate) use checker::{Margins, Pair, State};
+pub(crate) use checker::{Pair, State};
 pub use exhaustive::Exhaustive;
 pub use hand::HandChecker;
 pub use model::{CollisionError, CollisionModel};

@@ -1,33 +1,27 @@
 //! Paths between arm configurations: search, shortcutting, timing.
+//!
+//! [`plan_path`] grows two RRT-Connect trees with the whole IK set as goals, [`shorten`] takes the detours out of the
+//! path, [`time_path`] rounds its corners and runs along it as fast as joint speeds and accelerations allow, and
+//! [`follow_poses`] moves the hand along given poses. Every edge is proven free, not sampled (see
+//! [`ArmSpace::edge_hit`]); [`walk`] checks the result once more with kinematics and geometry of its own.
 
-use serde::{Deserialize, Serialize};
+mod birrt;
+mod cartesian;
+mod edge;
+mod retime;
+mod shortcut;
+mod smooth;
+mod space;
+mod timing;
+mod trajectory;
+mod tree;
+mod walk;
 
-/// A timed motion of some joints, sampled at equal steps and at its end.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct Trajectory {
-    /// Sample times from 0, seconds, ascending.
-    pub times_s: Vec<f64>,
-    /// Joint positions of each sample, in the order of the arm's joints.
-    pub positions: Vec<Vec<f64>>,
-}
-
-impl Trajectory {
-    /// Duration, seconds.
-    pub fn duration_s(&self) -> f64 {
-        self.times_s.last().copied().unwrap_or(0.0)
-    }
-
-    /// Positions at a time, linear between samples, held before the first and after the last.
-    pub fn at(&self, time_s: f64) -> Vec<f64> {
-        let after = self.times_s.partition_point(|&t| t <= time_s);
-        if after == 0 {
-            return self.positions.first().cloned().unwrap_or_default();
-        }
-        let (Some(from), Some(to)) = (self.positions.get(after - 1), self.positions.get(after)) else {
-            return self.positions.last().cloned().unwrap_or_default();
-        };
-        let span = self.times_s[after] - self.times_s[after - 1];
-        let u = if span > 0.0 { (time_s - self.times_s[after - 1]) / span } else { 1.0 };
-        from.iter().zip(to).map(|(a, b)| a + u * (b - a)).collect()
-    }
-}
+pub use birrt::{BirrtSettings, Found, PlanOutcome, plan_path};
+pub use cartesian::{CartesianSettings, CartesianStop, StopReason, follow_poses, straight_line};
+pub use edge::EdgeHit;
+pub use shortcut::{ShortcutSettings, shorten};
+pub use space::{ArmSpace, ConfigurationFault, Path};
+pub use timing::{MotionLimits, TimingError, TimingSettings, time_path};
+pub use trajectory::Trajectory;
+pub use walk::{WalkHit, walk, walk_path};

@@ -1,0 +1,88 @@
+//! Straight joint motions, proven free of collisions rather than sampled.
+
+use super::space::{ArmSpace, Path};
+use crate::collision::{Hit, Pair, Scratch, State};
+
+/// Where a straight motion is blocked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EdgeHit {
+    /// Fraction of the motion at which the pair was found, 0 at its start; not necessarily the first such place.
+    pub fraction: f64,
+    /// Who touches.
+    pub hit: Hit,
+}
+
+/// Above this displacement a proof is not tried, only touching is looked for, metres: no scene is that empty.
+const COARSE_M: f64 = 0.3;
+
+/// The finest displacement at which a proof is asked for, metres, where the checker's margin is smaller.
+const FINEST_M: f64 = 1e-4;
+
+impl ArmSpace {
+    /// Where the straight motion from `from` to `to` is blocked; `None` proves that it is free all along.
+    ///
+    /// Along half of an interval no point of a body travels farther than the lever-arm bound
+    /// ([`crate::collision::Checker::displacement_m`]) allows. If at the middle everything is farther apart than that,
+    /// nothing can touch anywhere in the interval, however thin it is; otherwise both halves are looked at in turn.
+    /// Halving ends where the travel is below the checker's margin (0.1 mm), because being free already means being
+    /// farther apart than that: no wall is stepped over.
+    ///
+    /// Both ends must be configurations of the arm; other lists count as blocked.
+    pub fn edge_hit(&self, scratch: &mut Scratch, from: &[f64], to: &[f64]) -> Option<EdgeHit> {
+        for (end, fraction) in [(from, 0.0), (to, 1.0)] {
+            if !self.checker.is_configuration(end) {
+                return self.checker.first_hit(scratch, end).map(|hit| EdgeHit { fraction, hit });
+            }
+        }
+        let (fraction, pair) = self.blocked(scratch, from, to)?;
+        Some(EdgeHit { fraction, hit: self.checker.name(pair) })
+    }
+
+    /// Whether the straight motion is free; the ends must be configurations.
+    pub(crate) fn edge_is_free(&self, scratch: &mut Scratch, from: &[f64], to: &[f64]) -> bool {
+        self.blocked(scratch, from, to).is_none()
+    }
+
+    /// Whether all motions of a path are free.
+    pub(crate) fn path_is_free(&self, scratch: &mut Scratch, path: &Path) -> bool {
+        path.points.windows(2).all(|pair| self.edge_is_free(scratch, &pair[0], &pair[1]))
+    }
+
+    fn blocked(&self, scratch: &mut Scratch, from: &[f64], to: &[f64]) -> Option<(f64, Pair)> {
+        // The far end first: while a tree grows, that is the new configuration.
+        if let State::Hit(pair) = self.checker.state(scratch, to, None) {
+            return Some((1.0, pair));
+        }
+        let mut margins = std::mem::take(&mut scratch.margins);
+        let mut intervals = std::mem::take(&mut scratch.intervals);
+        let mut q = std::mem::take(&mut scratch.q);
+        self.checker.half_travel(from, to, &mut margins);
+        let farthest = margins.iter().copied().fold(0.0, f64::max);
+        intervals.clear();
+        intervals.push((0.0, 1.0));
+        let mut next = 0;
+        let mut found = None;
+        // Breadth first, so that the places looked at are spread over the motion and a blocked one is found early.
+        while let Some(&(begin, end)) = intervals.get(next) {
+            next += 1;
+            let width = end - begin;
+            let middle = 0.5 * (begin + end);
+            q.clear();
+            q.extend(from.iter().zip(to).map(|(a, b)| a + (b - a) * middle));
+            let travel = farthest * width;
+            let proof = travel > FINEST_M && travel < COARSE_M;
+            match self.checker.state(scratch, &q, proof.then_some((margins.as_slice(), width))) {
+                State::Hit(pair) => {
+                    found = Some((middle, pair));
+                    break;
+                }
+                State::Free if proof || travel <= FINEST_M => {}
+                _ => intervals.extend([(begin, middle), (middle, end)]),
+            }
+        }
+        scratch.margins = margins;
+        scratch.intervals = intervals;
+        scratch.q = q;
+        found
+    }
+}
