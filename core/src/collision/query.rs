@@ -170,8 +170,7 @@ impl Checker {
             if let ConstantPair::Fixed(a, b) = pair {
                 let (a, b) = (&self.fixed[a], &self.fixed[b]);
                 if (a.solid.center - b.solid.center).norm() - a.solid.bound - b.solid.bound <= limit {
-                    limit =
-                        visit(&a.solid, &world, &b.solid, &world, depth_m, Pair { a: a.owner, b: b.owner });
+                    limit = visit(&a.solid, &world, &b.solid, &world, depth_m, Pair { a: a.owner, b: b.owner });
                 }
             }
         }
@@ -355,9 +354,8 @@ mod tests {
             let bound = checker.displacement_m(&pick(&q), &pick(&to));
             let (before, after) = (robot.link_poses(&q), robot.link_poses(&to));
             let hand = &robot.arms[1].hand;
-            let corners = (0..8).map(|k| {
-                Point3::new(f64::from(k & 1) - 0.5, f64::from(k >> 1 & 1) - 0.5, f64::from(k >> 2)) * 0.1
-            });
+            let corners = (0..8)
+                .map(|k| Point3::new(f64::from(k & 1) - 0.5, f64::from(k >> 1 & 1) - 0.5, f64::from(k >> 2)) * 0.1);
             for corner in corners {
                 let moved = (before[hand.tcp_link] * corner - after[hand.tcp_link] * corner).norm();
                 assert!(moved <= bound + 1e-12, "moved {moved}, bound {bound}");

@@ -14,7 +14,15 @@ struct Builder {
 
 impl Builder {
     /// Adds a link under `parent`; returns its index.
-    fn link(&mut self, parent: usize, name: &str, kind: JointKind, X_PJ: Isometry3<f64>, axis: Vector3<f64>, limit: JointLimit) -> usize {
+    fn link(
+        &mut self,
+        parent: usize,
+        name: &str,
+        kind: JointKind,
+        X_PJ: Isometry3<f64>,
+        axis: Vector3<f64>,
+        limit: JointLimit,
+    ) -> usize {
         let child = self.links.len();
         let dof = (kind != JointKind::Fixed).then(|| {
             self.dof_joints.push(self.joints.len());
@@ -50,7 +58,9 @@ impl Builder {
 
     fn cuboid(&mut self, link: usize, center: [f64; 3], size: [f64; 3]) {
         let X_LC = Isometry3::translation(center[0], center[1], center[2]);
-        self.links[link].collisions.push(CollisionBody { X_LC, geometry: Geometry::Box { size_m: Vector3::from(size) } });
+        self.links[link]
+            .collisions
+            .push(CollisionBody { X_LC, geometry: Geometry::Box { size_m: Vector3::from(size) } });
     }
 }
 

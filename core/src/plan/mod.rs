@@ -12,6 +12,8 @@ mod retime;
 mod shortcut;
 mod smooth;
 mod space;
+#[cfg(test)]
+pub(crate) mod testing;
 mod timing;
 mod trajectory;
 mod tree;
