@@ -337,7 +337,7 @@ mod tests {
         let robot = two_arm_robot();
         let model = CollisionModel::new(&robot).unwrap();
         let carried = brick(&robot, 1);
-        let checker = Checker::for_arm(&model, &World::new(), Some(&carried), &[], 1, &vec![0.0; 18]).unwrap();
+        let checker = Checker::for_arm(&model, &World::new(), Some(&carried), &[], 1, &[0.0; 18]).unwrap();
         let mut rng = Rng::new(4, 0);
         let mut tightest: f64 = 0.0;
         for _ in 0..300 {
@@ -430,14 +430,14 @@ mod tests {
     fn nonsense_is_answered_and_never_panics() {
         let robot = two_arm_robot();
         let model = CollisionModel::new(&robot).unwrap();
-        let checker = Checker::for_arm(&model, &World::new(), None, &[], 0, &vec![0.0; 18]).unwrap();
+        let checker = Checker::for_arm(&model, &World::new(), None, &[], 0, &[0.0; 18]).unwrap();
         let mut scratch = Scratch::default();
         for q in [vec![], vec![0.0; 6], vec![f64::NAN; 7], vec![f64::INFINITY; 7]] {
             assert!(checker.first_hit(&mut scratch, &q).is_some());
             assert_eq!(checker.distance(&mut scratch, &q).distance_m, f64::NEG_INFINITY);
             assert_eq!(checker.all_hits(&mut scratch, &q).len(), 1);
         }
-        assert!(Checker::for_arm(&model, &World::new(), None, &[], 2, &vec![0.0; 18]).is_err());
+        assert!(Checker::for_arm(&model, &World::new(), None, &[], 2, &[0.0; 18]).is_err());
         assert!(Checker::for_arm(&model, &World::new(), None, &[], 0, &[0.0; 3]).is_err());
     }
 }

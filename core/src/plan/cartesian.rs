@@ -47,7 +47,8 @@ pub enum StopReason {
 pub fn straight_line(from: &Isometry3<f64>, to: &Isometry3<f64>, step_m: f64, step_rad: f64) -> Vec<Isometry3<f64>> {
     let span_m = (to.translation.vector - from.translation.vector).norm();
     let span_rad = from.rotation.angle_to(&to.rotation);
-    let steps = (span_m / step_m.max(1e-4)).max(span_rad / step_rad.max(1e-3)).ceil().max(1.0).min(1e5) as usize;
+    let steps = (span_m / step_m.max(1e-4)).max(span_rad / step_rad.max(1e-3)).ceil().min(1e5);
+    let steps = steps.max(1.0) as usize;
     (1..=steps)
         .map(|k| {
             let fraction = k as f64 / steps as f64;
@@ -59,10 +60,12 @@ pub fn straight_line(from: &Isometry3<f64>, to: &Isometry3<f64>, step_m: f64, st
         .collect()
 }
 
+/// Inverse kinematics: answers a hand pose X_WH and a near configuration with the solution nearest to that, if any.
+pub type NearIk<'a> = dyn Fn(&Isometry3<f64>, &[f64]) -> Option<Vec<f64>> + 'a;
+
 /// Follows hand poses from `q_start`, staying on one branch of the inverse kinematics.
 ///
-/// `ik` answers a pose X_WH and a near configuration with the solution nearest to that, if any. Every motion between
-/// poses is proven free; the path starts with `q_start` and has one more point per pose.
+/// Every motion between poses is proven free; the path starts with `q_start` and has one more point per pose.
 ///
 /// # Errors
 /// [`CartesianStop`] naming the pose that was not reached and why.
@@ -70,7 +73,7 @@ pub fn follow_poses(
     space: &ArmSpace,
     q_start: &[f64],
     poses: &[Isometry3<f64>],
-    ik: &dyn Fn(&Isometry3<f64>, &[f64]) -> Option<Vec<f64>>,
+    ik: &NearIk<'_>,
     settings: &CartesianSettings,
 ) -> Result<Path, CartesianStop> {
     let stop = |pose: usize, reason: StopReason| CartesianStop { pose, poses: poses.len(), reason };

@@ -113,6 +113,26 @@ mod tests {
     }
 
     #[test]
+    fn a_post_that_is_only_grazed_in_passing_is_noticed() {
+        let (from, to) = ([-1.0, 1.2, 0.0, 0.5, 0.0, 0.0, 0.0], [1.0, 1.2, 0.0, 0.5, 0.0, 0.0, 0.0]);
+        let arm = Bench::new(&[]);
+        let tip = arm.model.robot().link_poses(&[0.0, 1.2, 0.0, 0.5, 0.0, 0.0, 0.0])[7]
+            * nalgebra::Point3::new(0.0, 0.0, 0.2024);
+        // The hand's end, a ball of 45 mm, sweeps a circle of this radius and sinks `depth` into a hair-thin post:
+        // touching lasts 2 √(2 · 45 mm · depth), 10 mm or 4 mm of 1.7 m.
+        let swept = tip.x + 0.045;
+        for (depth, blocked) in [(0.0003, true), (0.00005, true), (-0.0005, false)] {
+            for k in 0..40 {
+                let (sin, cos) = crate::math::sin_cos(0.03 * f64::from(k) - 0.57);
+                let at = swept - depth + 0.00005;
+                let bench = Bench::new(&[("post", [at * cos, at * sin, tip.z], [0.0001, 0.0001, 0.5])]);
+                let hit = bench.space().edge_hit(&mut Scratch::default(), &from, &to);
+                assert_eq!(hit.is_some(), blocked, "depth {depth}, post {k}: {hit:?}");
+            }
+        }
+    }
+
+    #[test]
     fn an_edge_called_free_is_free_on_a_fine_walk_and_a_blocked_one_touches_where_it_says() {
         let bench = Bench::shelf();
         let space = bench.space();

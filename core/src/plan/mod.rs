@@ -20,7 +20,7 @@ mod tree;
 mod walk;
 
 pub use birrt::{BirrtSettings, Found, PlanOutcome, plan_path};
-pub use cartesian::{CartesianSettings, CartesianStop, StopReason, follow_poses, straight_line};
+pub use cartesian::{CartesianSettings, CartesianStop, NearIk, StopReason, follow_poses, straight_line};
 pub use edge::EdgeHit;
 pub use shortcut::{ShortcutSettings, shorten};
 pub use space::{ArmSpace, ConfigurationFault, Path};
