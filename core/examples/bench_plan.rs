@@ -92,7 +92,7 @@ fn plan_bench(
 ) -> Result<(), Box<dyn Error>> {
     let space = ArmSpace::new(robot, 0, Checker::for_arm(model, world, None, &[], 0, &[0.0; 7])?)?;
     let judge = Exhaustive::new(model, world, None, &[])?;
-    let limits = MotionLimits::of(&space, 1.0);
+    let limits = MotionLimits::of(&space);
     let dofs: Vec<usize> = (0..7).collect();
     let (mut plan_ms, mut short_ms, mut time_ms) = (Vec::new(), Vec::new(), Vec::new());
     let (mut found_rad, mut short_rad, mut duration_s) = (Vec::new(), Vec::new(), Vec::new());
@@ -172,7 +172,7 @@ fn robot(radii: &[f64; 4]) -> Robot {
             child: index + 1,
             X_PJ: Isometry3::translation(0.0, 0.0, z),
             axis: Unit::new_unchecked(if turns { Vector3::z() } else { Vector3::y() }),
-            limit: JointLimit { lower: -bound, upper: bound, velocity: 1.0 },
+            limit: JointLimit { lower: -bound, upper: bound, velocity: 1.0, acceleration: 1.0 },
             mimic: None,
             dof: Some(index),
         });

@@ -16,9 +16,9 @@ pub struct MotionLimits {
 }
 
 impl MotionLimits {
-    /// The robot's own speeds, with one acceleration for all joints (URDF has none), rad/s².
-    pub fn of(space: &ArmSpace, acceleration_rad_s2: f64) -> Self {
-        Self { velocity: space.max_velocity.clone(), acceleration: vec![acceleration_rad_s2; space.max_velocity.len()] }
+    /// The robot's own limits.
+    pub fn of(space: &ArmSpace) -> Self {
+        Self { velocity: space.max_velocity.clone(), acceleration: space.max_acceleration.clone() }
     }
 }
 
@@ -168,7 +168,7 @@ mod tests {
         let bench = Bench::shelf();
         let space = bench.space();
         let judge = Exhaustive::new(&bench.model, &bench.world, None, &[]).unwrap();
-        let limits = MotionLimits::of(&space, 1.5);
+        let limits = MotionLimits::of(&space);
         let cells = shelf_configurations();
         for (seed, pair) in cells.windows(2).enumerate() {
             let outcome =
@@ -235,7 +235,7 @@ mod tests {
     #[test]
     fn staying_put_is_one_sample_and_bad_limits_are_named() {
         let space = Bench::new(&[]).space();
-        let limits = MotionLimits::of(&space, 1.0);
+        let limits = MotionLimits::of(&space);
         let here = Path { points: vec![vec![0.1; 7], vec![0.1; 7]] };
         let trajectory = time_path(&space, &here, &limits, &TimingSettings::default()).unwrap();
         assert_eq!((trajectory.duration_s(), trajectory.positions.len()), (0.0, 1));
@@ -258,7 +258,7 @@ mod tests {
         let space = Bench::shelf().space();
         let cells = shelf_configurations();
         let path = Path { points: vec![cells[0].clone(), vec![0.0, 1.57, 0.0, 0.0, 0.0, 0.0, 0.0]] };
-        let limits = MotionLimits::of(&space, 1.0);
+        let limits = MotionLimits::of(&space);
         assert!(matches!(
             time_path(&space, &path, &limits, &TimingSettings::default()),
             Err(TimingError::Blocked { .. })
