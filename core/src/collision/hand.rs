@@ -111,8 +111,8 @@ impl HandChecker {
             let center = X.point(&solid.center);
             for target in &self.obstacles {
                 let reach = solid.bound + best.distance_m;
-                let close = reach >= 0.0
-                    && squared_distance_to_box(&center, &target.lower, &target.upper) <= reach * reach;
+                let close =
+                    reach >= 0.0 && squared_distance_to_box(&center, &target.lower, &target.upper) <= reach * reach;
                 if target.depth_m(*link) != Some(0.0) || !close {
                     continue;
                 }

@@ -55,9 +55,7 @@ impl CollisionModel {
         let solids_L = robot
             .links
             .iter()
-            .map(|link| {
-                link.collisions.iter().map(|body| solid(&link.name, &body.geometry, &body.X_LC)).collect()
-            })
+            .map(|link| link.collisions.iter().map(|body| solid(&link.name, &body.geometry, &body.X_LC)).collect())
             .collect::<Result<Vec<Vec<Solid>>, _>>()?;
         let mut weld: Vec<usize> = (0..robot.links.len()).collect();
         for joint in &robot.joints {

@@ -21,14 +21,7 @@ pub(crate) enum Proximity {
 /// Compares the distance of two bodies with two thresholds in metres; negative thresholds ask for a depth.
 ///
 /// `X_WA` and `X_WB` are the poses of the frames that carry the bodies.
-pub(crate) fn proximity(
-    a: &Solid,
-    X_WA: &Rigid,
-    b: &Solid,
-    X_WB: &Rigid,
-    touch_m: f64,
-    near_m: f64,
-) -> Proximity {
+pub(crate) fn proximity(a: &Solid, X_WA: &Rigid, b: &Solid, X_WB: &Rigid, touch_m: f64, near_m: f64) -> Proximity {
     let rounding = a.radius + b.radius;
     if let Some(squared) = closed_form(a, X_WA, b, X_WB) {
         let touch = rounding + touch_m;
@@ -144,8 +137,10 @@ mod tests {
                     let (core_a, radius_a) = random_core(&mut rng, kind_a);
                     let (core_b, radius_b) = random_core(&mut rng, kind_b);
                     let X_WA = Isometry3::from_parts(Translation3::identity(), rng.rotation());
-                    let X_WB =
-                        Isometry3::from_parts(Translation3::from(rng.direction() * rng.uniform(0.0, 0.8)), rng.rotation());
+                    let X_WB = Isometry3::from_parts(
+                        Translation3::from(rng.direction() * rng.uniform(0.0, 0.8)),
+                        rng.rotation(),
+                    );
                     let foreign_a = ForeignBody::new(&core_a, radius_a, &X_WA).unwrap();
                     let foreign_b = ForeignBody::new(&core_b, radius_b, &X_WB).unwrap();
                     let theirs = foreign_a.distance(&world, &foreign_b, &world);

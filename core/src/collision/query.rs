@@ -170,8 +170,7 @@ impl Checker {
             if let ConstantPair::Fixed(a, b) = pair {
                 let (a, b) = (&self.fixed[a], &self.fixed[b]);
                 if (a.solid.center - b.solid.center).norm() - a.solid.bound - b.solid.bound <= limit {
-                    limit =
-                        visit(&a.solid, &world, &b.solid, &world, depth_m, Pair { a: a.owner, b: b.owner });
+                    limit = visit(&a.solid, &world, &b.solid, &world, depth_m, Pair { a: a.owner, b: b.owner });
                 }
             }
         }
@@ -338,7 +337,7 @@ mod tests {
         let robot = two_arm_robot();
         let model = CollisionModel::new(&robot).unwrap();
         let carried = brick(&robot, 1);
-        let checker = Checker::for_arm(&model, &World::new(), Some(&carried), &[], 1, &vec![0.0; 18]).unwrap();
+        let checker = Checker::for_arm(&model, &World::new(), Some(&carried), &[], 1, &[0.0; 18]).unwrap();
         let mut rng = Rng::new(4, 0);
         let mut tightest: f64 = 0.0;
         for _ in 0..300 {
@@ -355,9 +354,8 @@ mod tests {
             let bound = checker.displacement_m(&pick(&q), &pick(&to));
             let (before, after) = (robot.link_poses(&q), robot.link_poses(&to));
             let hand = &robot.arms[1].hand;
-            let corners = (0..8).map(|k| {
-                Point3::new(f64::from(k & 1) - 0.5, f64::from(k >> 1 & 1) - 0.5, f64::from(k >> 2)) * 0.1
-            });
+            let corners = (0..8)
+                .map(|k| Point3::new(f64::from(k & 1) - 0.5, f64::from(k >> 1 & 1) - 0.5, f64::from(k >> 2)) * 0.1);
             for corner in corners {
                 let moved = (before[hand.tcp_link] * corner - after[hand.tcp_link] * corner).norm();
                 assert!(moved <= bound + 1e-12, "moved {moved}, bound {bound}");
@@ -432,14 +430,14 @@ mod tests {
     fn nonsense_is_answered_and_never_panics() {
         let robot = two_arm_robot();
         let model = CollisionModel::new(&robot).unwrap();
-        let checker = Checker::for_arm(&model, &World::new(), None, &[], 0, &vec![0.0; 18]).unwrap();
+        let checker = Checker::for_arm(&model, &World::new(), None, &[], 0, &[0.0; 18]).unwrap();
         let mut scratch = Scratch::default();
         for q in [vec![], vec![0.0; 6], vec![f64::NAN; 7], vec![f64::INFINITY; 7]] {
             assert!(checker.first_hit(&mut scratch, &q).is_some());
             assert_eq!(checker.distance(&mut scratch, &q).distance_m, f64::NEG_INFINITY);
             assert_eq!(checker.all_hits(&mut scratch, &q).len(), 1);
         }
-        assert!(Checker::for_arm(&model, &World::new(), None, &[], 2, &vec![0.0; 18]).is_err());
+        assert!(Checker::for_arm(&model, &World::new(), None, &[], 2, &[0.0; 18]).is_err());
         assert!(Checker::for_arm(&model, &World::new(), None, &[], 0, &[0.0; 3]).is_err());
     }
 }

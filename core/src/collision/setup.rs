@@ -49,8 +49,8 @@ pub(crate) fn hull(name: &str, points: impl Iterator<Item = Vector3<f64>>) -> Re
     if let Some(index) = points.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
         return Err(CollisionError::PointNotFinite { thing: name.to_owned(), index });
     }
-    let corners =
-        hull_corners(&points).ok_or_else(|| CollisionError::NoVolume { thing: name.to_owned(), points: points.len() })?;
+    let corners = hull_corners(&points)
+        .ok_or_else(|| CollisionError::NoVolume { thing: name.to_owned(), points: points.len() })?;
     Ok(Core::Hull { points: Arc::from(corners) })
 }
 

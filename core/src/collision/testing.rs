@@ -14,7 +14,15 @@ struct Builder {
 
 impl Builder {
     /// Adds a link under `parent`; returns its index.
-    fn link(&mut self, parent: usize, name: &str, kind: JointKind, X_PJ: Isometry3<f64>, axis: Vector3<f64>, limit: JointLimit) -> usize {
+    fn link(
+        &mut self,
+        parent: usize,
+        name: &str,
+        kind: JointKind,
+        X_PJ: Isometry3<f64>,
+        axis: Vector3<f64>,
+        limit: JointLimit,
+    ) -> usize {
         let child = self.links.len();
         let dof = (kind != JointKind::Fixed).then(|| {
             self.dof_joints.push(self.joints.len());
@@ -50,12 +58,14 @@ impl Builder {
 
     fn cuboid(&mut self, link: usize, center: [f64; 3], size: [f64; 3]) {
         let X_LC = Isometry3::translation(center[0], center[1], center[2]);
-        self.links[link].collisions.push(CollisionBody { X_LC, geometry: Geometry::Box { size_m: Vector3::from(size) } });
+        self.links[link]
+            .collisions
+            .push(CollisionBody { X_LC, geometry: Geometry::Box { size_m: Vector3::from(size) } });
     }
 }
 
 fn limit(bound: f64, velocity: f64) -> JointLimit {
-    JointLimit { lower: -bound, upper: bound, velocity }
+    JointLimit { lower: -bound, upper: bound, velocity, acceleration: velocity }
 }
 
 /// Two S-R-S arms (0.240 / 0.328 / 0.323 / 0.0824 m) at a height of 1.23 m, `left` and `right`, seven joints each,
@@ -100,7 +110,7 @@ pub(crate) fn two_arm_robot() -> Robot {
         let flange = b.link(links[7], &name("flange"), JointKind::Fixed, along(0.0824), z, fixed);
         let palm = b.link(flange, &name("palm"), JointKind::Fixed, along(0.0672), z, fixed);
         b.cuboid(palm, [0.0, 0.0, 0.04], [0.14, 0.06, 0.08]);
-        let stroke = JointLimit { lower: 0.0, upper: 0.05, velocity: 0.1 };
+        let stroke = JointLimit { lower: 0.0, upper: 0.05, velocity: 0.1, acceleration: 0.1 };
         let mut fingers = Vec::new();
         for (finger, sign) in [("finger_1", 1.0), ("finger_2", -1.0)] {
             let X_PJ = Isometry3::translation(sign * 0.058, 0.0, 0.08);

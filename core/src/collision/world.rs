@@ -35,12 +35,7 @@ impl World {
     ///
     /// # Errors
     /// [`CollisionError::BadSize`] if a length is not finite or not greater than 0.
-    pub fn add_box(
-        &mut self,
-        name: &str,
-        size_m: Vector3<f64>,
-        X_WB: &Isometry3<f64>,
-    ) -> Result<(), CollisionError> {
+    pub fn add_box(&mut self, name: &str, size_m: Vector3<f64>, X_WB: &Isometry3<f64>) -> Result<(), CollisionError> {
         for edge in size_m.iter() {
             positive(name, "box edge", *edge)?;
         }

@@ -188,8 +188,7 @@ fn search(
         let joined = loop {
             nearest_gap_rad = nearest_gap_rad.min(gap);
             let reaches = gap <= step;
-            let q_next =
-                if reaches { q_new.clone() } else { lerp(connector.node(tip), &q_new, step / gap) };
+            let q_next = if reaches { q_new.clone() } else { lerp(connector.node(tip), &q_new, step / gap) };
             if !space.edge_is_free(scratch, connector.node(tip), &q_next) {
                 break None;
             }
@@ -214,4 +213,102 @@ fn search(
         }
     }
     PlanOutcome::NoPath { nodes: start_tree.len() + goal_tree.len(), iterations, nearest_gap_rad }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::collision::Exhaustive;
+    use crate::plan::testing::{Bench, shelf_configurations};
+    use crate::plan::walk_path;
+
+    #[test]
+    fn the_arm_goes_from_shelf_cell_to_shelf_cell_and_equal_seeds_give_equal_paths() {
+        let bench = Bench::shelf();
+        let space = bench.space();
+        let judge = Exhaustive::new(&bench.model, &bench.world, None, &[]).unwrap();
+        let cells = shelf_configurations();
+        let settings = BirrtSettings::default();
+        let mut searched = 0;
+        for (k, pair) in cells.windows(2).enumerate() {
+            let goals = [pair[1].clone()];
+            let plan = |seed| plan_path(&space, &pair[0], &goals, &settings, seed, &Watch::idle());
+            let PlanOutcome::Found(found) = plan(7) else { panic!("cell {k}: {:?}", plan(7)) };
+            assert_eq!(found.path.points.first(), Some(&pair[0]));
+            assert_eq!(found.path.points.last(), Some(&pair[1]));
+            assert_eq!(walk_path(&judge, &bench.dofs(), &bench.rest(), &found.path, 0.005), None, "cell {k}");
+            assert_eq!(plan(7), PlanOutcome::Found(found.clone()));
+            if found.nodes > 0 {
+                searched += 1;
+                assert_ne!(plan(8), PlanOutcome::Found(found), "another seed searches elsewhere");
+            }
+        }
+        assert!(searched >= 3, "straight motions alone would test nothing: {searched} searches");
+    }
+
+    #[test]
+    fn a_start_that_touches_is_named_and_so_are_goals() {
+        let bench = Bench::shelf();
+        let space = bench.space();
+        let cells = shelf_configurations();
+        // Stretched out forwards the arm pierces the back of the shelf.
+        let inside_wall = vec![0.0, std::f64::consts::FRAC_PI_2, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let settings = BirrtSettings::default();
+        let plan = |start: &[f64], goals: &[Vec<f64>]| plan_path(&space, start, goals, &settings, 1, &Watch::idle());
+        let PlanOutcome::StartInCollision { pair } = plan(&inside_wall, &cells) else { panic!("must touch") };
+        assert!(pair.a.starts_with('l') && pair.b.starts_with("board"), "{pair}");
+        let goals = [inside_wall.clone(), inside_wall.clone()];
+        let PlanOutcome::GoalsInCollision { first, count } = plan(&cells[0], &goals) else { panic!("must touch") };
+        assert!(first.b.starts_with("board") && count == 2, "{first}");
+        let one_good = [inside_wall, cells[1].clone()];
+        assert!(matches!(plan(&cells[0], &one_good), PlanOutcome::Found(Found { goal: 1, .. })));
+    }
+
+    #[test]
+    fn lists_that_are_no_configurations_are_refused_with_the_joint() {
+        let bench = Bench::shelf();
+        let space = bench.space();
+        let cells = shelf_configurations();
+        let settings = BirrtSettings::default();
+        let plan = |start: &[f64], goals: &[Vec<f64>]| plan_path(&space, start, goals, &settings, 1, &Watch::idle());
+        let mut beyond = cells[0].clone();
+        beyond[3] = 3.0;
+        let PlanOutcome::StartInvalid { fault } = plan(&beyond, &cells) else { panic!("beyond its limit") };
+        assert!(matches!(fault, ConfigurationFault::OutsideLimits { joint, found: 3.0, .. } if joint == "j4"));
+        assert!(matches!(plan(&[0.0; 3], &cells), PlanOutcome::StartInvalid { .. }));
+        assert!(matches!(plan(&[f64::NAN; 7], &cells), PlanOutcome::StartInvalid { .. }));
+        assert!(matches!(plan(&cells[0], &[beyond]), PlanOutcome::GoalsInvalid { first: Some(_), count: 1 }));
+        assert_eq!(plan(&cells[0], &[]), PlanOutcome::GoalsInvalid { first: None, count: 0 });
+    }
+
+    #[test]
+    fn a_search_ends_when_it_is_cancelled_or_its_budget_is_spent() {
+        let bench = Bench::shelf();
+        let space = bench.space();
+        let cells = shelf_configurations();
+        let (start, goal) = (cells[0].clone(), [cells[1].clone()]);
+        // Fifty motions of 0.02 rad lead nowhere.
+        let settings = BirrtSettings { max_iterations: 50, step_rad: 0.02, ..BirrtSettings::default() };
+        let outcome = plan_path(&space, &start, &goal, &settings, 1, &Watch::idle());
+        let PlanOutcome::NoPath { iterations: 50, nearest_gap_rad, nodes } = outcome else { panic!("{outcome:?}") };
+        assert!(nearest_gap_rad > 0.0 && nearest_gap_rad < 10.0 && nodes > 2);
+        let stop = Watch::new(&|| true, &|_, _| (), &|| 0.0);
+        assert_eq!(plan_path(&space, &start, &goal, &settings, 1, &stop), PlanOutcome::Stopped);
+    }
+
+    #[test]
+    fn further_goals_are_drawn_from_the_ik_set_while_planning() {
+        let bench = Bench::shelf();
+        let space = bench.space();
+        let cells = shelf_configurations();
+        let settings =
+            BirrtSettings { straight_tries: 0, first_roots: 1, root_chance: 1.0, ..BirrtSettings::default() };
+        let reached: std::collections::BTreeSet<usize> = (0..20)
+            .filter_map(|seed| match plan_path(&space, &cells[0], &cells[1..], &settings, seed, &Watch::idle()) {
+                PlanOutcome::Found(found) => Some(found.goal),
+                _ => None,
+            })
+            .collect();
+        assert!(reached.len() > 1, "always the same goal: {reached:?}");
+    }
 }

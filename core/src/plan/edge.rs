@@ -86,3 +86,85 @@ impl ArmSpace {
         found
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::collision::Exhaustive;
+    use crate::plan::testing::Bench;
+    use crate::plan::walk_path;
+    use crate::rng::Rng;
+
+    #[test]
+    fn a_thin_plate_between_two_free_configurations_is_never_stepped_over() {
+        // The hand sweeps 1.1 m through a plate of 5 mm, and of 0.2 mm, wherever it stands.
+        let (from, to) = ([-1.0, 1.2, 0.0, 0.5, 0.0, 0.0, 0.0], [1.0, 1.2, 0.0, 0.5, 0.0, 0.0, 0.0]);
+        for thickness in [0.005, 0.0002] {
+            for k in 0..40 {
+                let y = 0.011 * f64::from(k) - 0.2;
+                let bench = Bench::new(&[("plate", [0.8, y, 0.3], [0.15, thickness, 1.0])]);
+                let space = bench.space();
+                let mut scratch = Scratch::default();
+                assert!(space.first_hit(&mut scratch, &from).is_none() && space.first_hit(&mut scratch, &to).is_none());
+                let blocked = space.edge_hit(&mut scratch, &from, &to).expect("the plate stands in the way");
+                assert_eq!((blocked.hit.a.as_str(), blocked.hit.b.as_str()), ("l7", "plate"));
+            }
+        }
+    }
+
+    #[test]
+    fn a_post_that_is_only_grazed_in_passing_is_noticed() {
+        let (from, to) = ([-1.0, 1.2, 0.0, 0.5, 0.0, 0.0, 0.0], [1.0, 1.2, 0.0, 0.5, 0.0, 0.0, 0.0]);
+        let arm = Bench::new(&[]);
+        let tip = arm.model.robot().link_poses(&[0.0, 1.2, 0.0, 0.5, 0.0, 0.0, 0.0])[7]
+            * nalgebra::Point3::new(0.0, 0.0, 0.2024);
+        // The hand's end, a ball of 45 mm, sweeps a circle of this radius and sinks `depth` into a hair-thin post:
+        // touching lasts 2 √(2 · 45 mm · depth), 10 mm or 4 mm of 1.7 m.
+        let swept = tip.x + 0.045;
+        for (depth, blocked) in [(0.0003, true), (0.00005, true), (-0.0005, false)] {
+            for k in 0..40 {
+                let (sin, cos) = crate::math::sin_cos(0.03 * f64::from(k) - 0.57);
+                let at = swept - depth + 0.00005;
+                let bench = Bench::new(&[("post", [at * cos, at * sin, tip.z], [0.0001, 0.0001, 0.5])]);
+                let hit = bench.space().edge_hit(&mut Scratch::default(), &from, &to);
+                assert_eq!(hit.is_some(), blocked, "depth {depth}, post {k}: {hit:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_edge_called_free_is_free_on_a_fine_walk_and_a_blocked_one_touches_where_it_says() {
+        let bench = Bench::shelf();
+        let space = bench.space();
+        let judge = Exhaustive::new(&bench.model, &bench.world, None, &[]).unwrap();
+        let mut scratch = Scratch::default();
+        let mut rng = Rng::new(9, 0);
+        let (mut free, mut blocked) = (0, 0);
+        while free < 60 || blocked < 60 {
+            let from: Vec<f64> = space.lower.iter().zip(&space.upper).map(|(l, u)| rng.uniform(*l, *u)).collect();
+            let to: Vec<f64> = from.iter().map(|q| q + rng.uniform(-0.8, 0.8)).collect();
+            let points = vec![from.clone(), to.clone()];
+            match space.edge_hit(&mut scratch, &from, &to) {
+                None => {
+                    free += 1;
+                    let walked = walk_path(&judge, &bench.dofs(), &bench.rest(), &Path { points }, 0.002);
+                    assert_eq!(walked, None);
+                }
+                Some(hit) => {
+                    blocked += 1;
+                    let q: Vec<f64> = from.iter().zip(&to).map(|(a, b)| a + (b - a) * hit.fraction).collect();
+                    // Within the margin of 0.1 mm the judge need not see a touch yet.
+                    assert!(judge.distance_m(&q) < 1.5e-4, "{hit:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn ends_that_are_no_configurations_block_the_edge() {
+        let space = Bench::shelf().space();
+        let mut scratch = Scratch::default();
+        assert!(space.edge_hit(&mut scratch, &[0.0; 7], &[f64::NAN; 7]).is_some());
+        assert!(space.edge_hit(&mut scratch, &[0.0; 6], &[0.0; 7]).is_some());
+    }
+}

@@ -12,13 +12,15 @@ mod retime;
 mod shortcut;
 mod smooth;
 mod space;
+#[cfg(test)]
+pub(crate) mod testing;
 mod timing;
 mod trajectory;
 mod tree;
 mod walk;
 
 pub use birrt::{BirrtSettings, Found, PlanOutcome, plan_path};
-pub use cartesian::{CartesianSettings, CartesianStop, StopReason, follow_poses, straight_line};
+pub use cartesian::{CartesianSettings, CartesianStop, NearIk, StopReason, follow_poses, straight_line};
 pub use edge::EdgeHit;
 pub use shortcut::{ShortcutSettings, shorten};
 pub use space::{ArmSpace, ConfigurationFault, Path};

@@ -51,9 +51,7 @@ pub fn shorten(space: &ArmSpace, path: &Path, settings: &ShortcutSettings, seed:
         };
         let (q_begin, q_end) = (place(begin, first), place(end, last));
         // Less than a microradian is not worth a new corner.
-        if distance_rad(&q_begin, &q_end) > end - begin - 1e-6
-            || !space.edge_is_free(&mut scratch, &q_begin, &q_end)
-        {
+        if distance_rad(&q_begin, &q_end) > end - begin - 1e-6 || !space.edge_is_free(&mut scratch, &q_begin, &q_end) {
             continue;
         }
         let mut shorter = points[..first].to_vec();
@@ -79,4 +77,47 @@ fn prune(space: &ArmSpace, scratch: &mut Scratch, points: &[Vec<f64>]) -> Vec<Ve
         at = next;
     }
     kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::collision::Exhaustive;
+    use crate::plan::testing::{Bench, shelf_configurations};
+    use crate::plan::{BirrtSettings, PlanOutcome, plan_path, walk_path};
+
+    #[test]
+    fn a_shortened_path_is_never_longer_keeps_its_ends_and_stays_free() {
+        let bench = Bench::shelf();
+        let space = bench.space();
+        let judge = Exhaustive::new(&bench.model, &bench.world, None, &[]).unwrap();
+        let cells = shelf_configurations();
+        let mut gained = 0.0;
+        for seed in 0..6 {
+            for pair in cells.windows(2) {
+                let goals = [pair[1].clone()];
+                let settings = BirrtSettings::default();
+                let outcome = plan_path(&space, &pair[0], &goals, &settings, seed, &Watch::idle());
+                let PlanOutcome::Found(found) = outcome else { panic!("{outcome:?}") };
+                let shorten = || shorten(&space, &found.path, &ShortcutSettings::default(), seed, &Watch::idle());
+                let short = shorten();
+                assert!(short.length_rad() <= found.path.length_rad());
+                gained += found.path.length_rad() - short.length_rad();
+                assert_eq!(short.points.first(), found.path.points.first());
+                assert_eq!(short.points.last(), found.path.points.last());
+                assert_eq!(short, shorten(), "equal seeds give equal paths");
+                assert_eq!(walk_path(&judge, &bench.dofs(), &bench.rest(), &short, 0.005), None);
+            }
+        }
+        assert!(gained > 10.0, "thirty paths lose more than a third of a radian each: {gained}");
+    }
+
+    #[test]
+    fn short_paths_come_back_as_they_are() {
+        let space = Bench::shelf().space();
+        for points in [vec![], vec![vec![0.0; 7]], vec![vec![0.0; 7], vec![0.1; 7]]] {
+            let path = Path { points };
+            assert_eq!(shorten(&space, &path, &ShortcutSettings::default(), 1, &Watch::idle()), path);
+        }
+    }
 }

@@ -17,6 +17,8 @@ pub struct ArmSpace {
     pub upper: Vec<f64>,
     /// Largest joint speeds, rad/s.
     pub max_velocity: Vec<f64>,
+    /// Largest joint accelerations, rad/s².
+    pub max_acceleration: Vec<f64>,
     /// Who touches whom; its columns are the arm's joints.
     pub checker: Checker,
 }
@@ -53,6 +55,7 @@ impl ArmSpace {
             lower: joints().map(|joint| joint.limit.lower).collect(),
             upper: joints().map(|joint| joint.limit.upper).collect(),
             max_velocity: joints().map(|joint| joint.limit.velocity).collect(),
+            max_acceleration: joints().map(|joint| joint.limit.acceleration).collect(),
             checker,
         })
     }

@@ -83,3 +83,37 @@ fn first_collision(
     });
     hits.into_iter().flatten().next()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::testing::Bench;
+
+    #[test]
+    fn a_collision_planted_between_two_samples_is_found_by_the_denser_walk_only() {
+        // A thin plate stands where the hand passes between two samples.
+        let bench = Bench::new(&[("plate", [0.8, 0.1, 0.3], [0.15, 0.005, 1.0])]);
+        let judge = Exhaustive::new(&bench.model, &bench.world, None, &[]).unwrap();
+        let at = |first: f64| vec![first, 1.2, 0.0, 0.5, 0.0, 0.0, 0.0];
+        let positions: Vec<_> = (0..=4).map(|k| at(-0.6 + 0.3 * f64::from(k))).collect();
+        let trajectory = Trajectory { times_s: vec![0.0, 0.01, 0.02, 0.03, 0.04], positions };
+        let walk_at = |density| walk(&judge, &bench.dofs(), &bench.rest(), &trajectory, density);
+        assert_eq!(walk_at(1), None, "the samples themselves stand beside the plate");
+        let hit = walk_at(16).expect("sixteen steps per sample are 2 cm: less than the hand is wide");
+        assert_eq!((hit.hit.a.as_str(), hit.hit.b.as_str()), ("plate", "l7"));
+        assert!(hit.at > 0.01 && hit.at < 0.03, "{hit:?}");
+        let path = Path { points: trajectory.positions.clone() };
+        assert!(walk_path(&judge, &bench.dofs(), &bench.rest(), &path, 0.01).is_some());
+        let clear = Bench::new(&[]);
+        let judge = Exhaustive::new(&clear.model, &clear.world, None, &[]).unwrap();
+        assert_eq!(walk(&judge, &bench.dofs(), &bench.rest(), &trajectory, 16), None);
+    }
+
+    #[test]
+    fn a_trajectory_of_other_joints_is_not_waved_through() {
+        let bench = Bench::new(&[]);
+        let judge = Exhaustive::new(&bench.model, &bench.world, None, &[]).unwrap();
+        let trajectory = Trajectory { times_s: vec![0.0, 0.01], positions: vec![vec![0.0; 3]; 2] };
+        assert!(walk(&judge, &bench.dofs(), &bench.rest(), &trajectory, 4).is_some());
+    }
+}
