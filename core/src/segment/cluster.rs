@@ -62,10 +62,8 @@ pub(super) fn link(points: &[Point3<f64>], distance_m: f64) -> Vec<u32> {
 /// One of each two opposite offsets to the cells that can hold a linked point, nearest first, so that most cells are
 /// united by touching neighbours before the far ones are looked at.
 fn half_neighbours() -> Vec<[i64; 3]> {
-    let mut offsets: Vec<[i64; 3]> = (0..125i64)
-        .map(|k| [k / 25 - 2, k / 5 % 5 - 2, k % 5 - 2])
-        .filter(|offset| *offset > [0; 3])
-        .collect();
+    let mut offsets: Vec<[i64; 3]> =
+        (0..125i64).map(|k| [k / 25 - 2, k / 5 % 5 - 2, k % 5 - 2]).filter(|offset| *offset > [0; 3]).collect();
     offsets.sort_by_key(|offset| offset.iter().map(|part| part * part).sum::<i64>());
     offsets
 }

@@ -45,10 +45,7 @@ pub fn table_to_robot(segmentation: &Segmentation, cloud: &PointCloud, spot: &Ta
     let R_WF = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(R_FW.transpose()));
     let turned = R_WF * centroid;
     // In the turned frame the table plane is z = offset.
-    let shift = Vector3::new(
-        spot.spot_m[0] - turned.x,
-        spot.spot_m[1] - turned.y,
-        spot.height_m - segmentation.table.offset_m,
-    );
+    let shift =
+        Vector3::new(spot.spot_m[0] - turned.x, spot.spot_m[1] - turned.y, spot.height_m - segmentation.table.offset_m);
     Isometry3::from_parts(shift.into(), R_WF)
 }

@@ -153,14 +153,7 @@ pub fn segment(
             wanted: settings.cluster_min_points,
         });
     }
-    Ok(Segmentation {
-        table,
-        outline: edge.corners(),
-        table_points,
-        table_rms_m: found.rms_m,
-        fates,
-        clusters,
-    })
+    Ok(Segmentation { table, outline: edge.corners(), table_points, table_rms_m: found.rms_m, fates, clusters })
 }
 
 fn go_on(watch: Watch<'_>, fraction: f64, note: &str) -> Result<(), SegmentRefusal> {
@@ -243,7 +236,11 @@ impl Standing {
         let mut ranked: Vec<(Point3<f64>, Vec<u32>)> =
             least.into_iter().zip(clusters).filter(|(_, cluster)| !cluster.is_empty()).collect();
         ranked.sort_by(|(p, a), (q, b)| {
-            b.len().cmp(&a.len()).then_with(|| p.x.total_cmp(&q.x)).then_with(|| p.y.total_cmp(&q.y)).then_with(|| p.z.total_cmp(&q.z))
+            b.len()
+                .cmp(&a.len())
+                .then_with(|| p.x.total_cmp(&q.x))
+                .then_with(|| p.y.total_cmp(&q.y))
+                .then_with(|| p.z.total_cmp(&q.z))
         });
         // Fates number clusters with 16 bits; what comes after is smaller than 65 535 others.
         ranked.truncate(usize::from(u16::MAX));
