@@ -1,8 +1,11 @@
 //! Properties of the cloud files: what is written is read back, and damaged files are refused, never panicked on.
 
 #![allow(non_snake_case, reason = "frame letters: X_FC is the pose of C in F")]
+#![allow(clippy::unwrap_used, reason = "a test may stop at what is missing")]
 
-use endcomfort_core::cloud::{CloudError, PcdEncoding, PixelGrid, PlyEncoding, PointCloud, read_cloud, write_pcd, write_ply};
+use endcomfort_core::cloud::{
+    CloudError, PcdEncoding, PixelGrid, PlyEncoding, PointCloud, read_cloud, write_pcd, write_ply,
+};
 use nalgebra::{Isometry3, Point3, Vector3};
 use proptest::prelude::*;
 

@@ -1,6 +1,7 @@
 //! Segmentation of real and rendered scenes, compared with labels and with an independent reference.
 
 #![allow(non_snake_case, reason = "frame letters: X_FC is the pose of C in F")]
+#![allow(clippy::unwrap_used, reason = "a test may stop at what is missing")]
 
 use std::path::PathBuf;
 
@@ -54,7 +55,9 @@ fn labels(bytes: &[u8]) -> Vec<u32> {
 fn rendered_scenes_fall_apart_into_their_objects() {
     // Points within 1 cm of the table are the table's by the settings: a brick of 5 cm loses a tenth, a bowl (seen from
     // above, its floor 3 mm above the table) a third; the reference loses the same third.
-    for (name, objects, least_iou) in [("balls_fruits", 7, 0.93), ("boxes_cylinders", 6, 0.9), ("miscellaneous", 5, 0.6)] {
+    for (name, objects, least_iou) in
+        [("balls_fruits", 7, 0.93), ("boxes_cylinders", 6, 0.9), ("miscellaneous", 5, 0.6)]
+    {
         let Some(bytes) = data(&format!("rendered_scenes/{name}.pcd")) else { return };
         let cloud = read_cloud(name, &bytes).unwrap().value;
         let labels = labels(&bytes);
@@ -107,9 +110,9 @@ fn a_scene_that_looks_along_minus_z_gives_the_three_products_of_the_reference() 
         (13_425, Point3::new(0.1709, 0.0852, -0.6937)),
         (10_518, Point3::new(-0.221, 0.0171, -0.6482)),
     ] {
-        let same = segmentation.clusters[..3]
-            .iter()
-            .find(|cluster| (centroid(&cloud, cluster) - product).norm() < 0.01 && cluster.len().abs_diff(points) < 700);
+        let same = segmentation.clusters[..3].iter().find(|cluster| {
+            (centroid(&cloud, cluster) - product).norm() < 0.01 && cluster.len().abs_diff(points) < 700
+        });
         assert!(same.is_some(), "{product}: {:?}", segmentation.clusters.iter().map(Vec::len).collect::<Vec<_>>());
     }
 }
@@ -152,7 +155,9 @@ fn neither_the_order_of_the_points_nor_the_frame_changes_the_partition() {
 
 #[test]
 fn a_dropped_cloud_comes_to_stand_on_the_robots_table() {
-    for name in ["pcl_milk_cartoon_all_small_clorox", "pcl_table_scene_mug_stereo_textured", "industrial_training_table"] {
+    for name in
+        ["pcl_milk_cartoon_all_small_clorox", "pcl_table_scene_mug_stereo_textured", "industrial_training_table"]
+    {
         let Some(cloud) = scene(&format!("scenes/{name}.pcd")) else { return };
         let segmentation = segmented(&cloud);
         let spot = TableSpot { height_m: 0.69, spot_m: [0.5, -0.1], cluster: 0 };

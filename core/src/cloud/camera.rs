@@ -102,7 +102,7 @@ impl RgbdCamera {
     ) -> Vec<Sample> {
         let mut gauss = Gauss::new(seed, row as u64);
         let least_cos = math::cos(self.noise.max_incidence_rad);
-        let mut samples = Vec::new();
+        let mut samples = Vec::with_capacity(raster.width);
         for column in 0..raster.width {
             let pixel = row * raster.width + column;
             let (mut at_column, mut at_row) = (column, row);

@@ -54,11 +54,7 @@ impl Collector {
     }
 
     /// The cloud, without a sensor pose; `size` is width and height of an organised cloud. Notes say what was dropped.
-    pub(super) fn finish(
-        self,
-        size: Option<(u32, u32)>,
-        notes: &mut Vec<String>,
-    ) -> Result<PointCloud, CloudError> {
+    pub(super) fn finish(self, size: Option<(u32, u32)>, notes: &mut Vec<String>) -> Result<PointCloud, CloudError> {
         if self.points.is_empty() {
             return Err(CloudError::NoPoints { read: self.read, limit_m: MAX_COORDINATE_M as u64 });
         }

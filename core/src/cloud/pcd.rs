@@ -176,7 +176,9 @@ fn read_compressed(data: &[u8], header: &Header, layout: &Layout) -> Result<Coll
     }
     let mut points = Collector::new(header.points);
     let column = |field: &Field, point: usize| {
-        let begin = header.points * field.offset + point * field.count * field.scalar.size();
+        // Within `raw` these products fit; nothing else can be read.
+        let begin =
+            (header.points.saturating_mul(field.offset)).saturating_add(point * field.count * field.scalar.size());
         raw.get(begin..).unwrap_or_default()
     };
     for point in 0..header.points {

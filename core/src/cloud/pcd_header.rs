@@ -2,10 +2,10 @@
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
+use super::CloudError;
 use super::error::excerpt;
 use super::read::MAX_POINTS;
 use super::scalar::{Scalar, parse_number};
-use super::CloudError;
 
 /// A header longer than this is not a header.
 const MAX_HEADER_BYTES: usize = 64 * 1024;

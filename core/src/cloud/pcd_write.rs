@@ -64,8 +64,7 @@ pub fn write_pcd(cloud: &PointCloud, encoding: PcdEncoding) -> Vec<u8> {
 }
 
 fn header(cloud: &PointCloud, colored: bool, width: u32, height: u32, encoding: PcdEncoding) -> String {
-    let (fields, size, kind, count) =
-        if colored { (" rgb", " 4", " U", " 1") } else { ("", "", "", "") };
+    let (fields, size, kind, count) = if colored { (" rgb", " 4", " U", " 1") } else { ("", "", "", "") };
     let pose = cloud.X_FC.unwrap_or_default();
     let (t, q) = (pose.translation.vector, pose.rotation.coords);
     let data = match encoding {

@@ -68,7 +68,9 @@ fn scalar(word: Option<&str>, line: usize) -> Result<Scalar, CloudError> {
         Some("uint" | "uint32") => Scalar::U32,
         Some("float" | "float32") => Scalar::F32,
         Some("double" | "float64") => Scalar::F64,
-        other => return Err(wrong(line, "property type", other.unwrap_or("nothing"), "char to double, or int8 to float64")),
+        other => {
+            return Err(wrong(line, "property type", other.unwrap_or("nothing"), "char to double, or int8 to float64"));
+        }
     })
 }
 
@@ -122,7 +124,12 @@ pub(super) fn read_header(bytes: &[u8]) -> Result<Header, CloudError> {
                     Some("list") => Property::List {
                         count: match scalar(words.next(), line)? {
                             count if count.is_float() => {
-                                return Err(wrong(line, "list count type", "a floating-point type", "a whole-number type"));
+                                return Err(wrong(
+                                    line,
+                                    "list count type",
+                                    "a floating-point type",
+                                    "a whole-number type",
+                                ));
                             }
                             count => count,
                         },
@@ -138,6 +145,7 @@ pub(super) fn read_header(bytes: &[u8]) -> Result<Header, CloudError> {
             Some(other) => return Err(wrong(line, "PLY header", other, "format, element, property or end_header")),
         }
     }
-    let format = format.ok_or_else(|| wrong(line, "PLY header", "no format line", "format ascii 1.0 or a binary one"))?;
+    let format =
+        format.ok_or_else(|| wrong(line, "PLY header", "no format line", "format ascii 1.0 or a binary one"))?;
     Ok(Header { format, elements, data_start: start.min(bytes.len()), data_line: line + 1 })
 }

@@ -77,7 +77,8 @@ impl Raster {
     /// Fills one triangle that lies in front of the camera.
     fn fill(&mut self, triangle: [Point3<f64>; 3], face: u32) {
         let (cx, cy) = self.middle();
-        let [a, b, c] = triangle.map(|p| Vector3::new(self.focal_px * p.x / p.z + cx, self.focal_px * p.y / p.z + cy, 1.0 / p.z));
+        let [a, b, c] =
+            triangle.map(|p| Vector3::new(self.focal_px * p.x / p.z + cx, self.focal_px * p.y / p.z + cy, 1.0 / p.z));
         let area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
         let has_area = area.abs() > 1e-12;
         if !has_area {

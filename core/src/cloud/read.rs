@@ -53,7 +53,8 @@ mod tests {
 
     #[test]
     fn the_content_outranks_the_extension() {
-        let pcd = b"VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3\n";
+        let pcd =
+            b"VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 1\nHEIGHT 1\nPOINTS 1\nDATA ascii\n1 2 3\n";
         assert_eq!(read_cloud("cloud.xyz", pcd).unwrap().value.points.len(), 1);
         assert_eq!(read_cloud("no extension", b"1 2 3\n4 5 6\n").unwrap().value.points.len(), 2);
     }

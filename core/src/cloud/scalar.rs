@@ -60,12 +60,7 @@ impl Scalar {
 
 /// Reads one number of a text line; `nan` and `inf` are numbers here, dropped later with the points they belong to.
 pub(super) fn parse_number(token: &str, line: usize, thing: &'static str) -> Result<f64, CloudError> {
-    token.parse().map_err(|_| CloudError::Line {
-        line,
-        thing,
-        found: excerpt(token),
-        wanted: String::from("a number"),
-    })
+    token.parse().map_err(|_| CloudError::Line { line, thing, found: excerpt(token), wanted: String::from("a number") })
 }
 
 /// Lines of a text with their numbers, counted from `first`; a carriage return at the end is not part of a line.

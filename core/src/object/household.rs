@@ -114,8 +114,14 @@ impl HouseholdObject {
                     return wrong(place(&format!("section {row}")), format!("[{z}, {x}, {y}]"), wanted);
                 }
             }
-            if let Some(row) = sections.windows(2).position(|pair| pair[1][0].partial_cmp(&pair[0][0]).is_none_or(|o| o.is_lt())) {
-                return wrong(place(&format!("section {}", row + 1)), String::from("z below the section before"), "ascending z");
+            if let Some(row) =
+                sections.windows(2).position(|pair| pair[1][0].partial_cmp(&pair[0][0]).is_none_or(|o| o.is_lt()))
+            {
+                return wrong(
+                    place(&format!("section {}", row + 1)),
+                    String::from("z below the section before"),
+                    "ascending z",
+                );
             }
             let height = sections.last().map_or(0.0, |top| top[0]) - sections.first().map_or(0.0, |bottom| bottom[0]);
             if height <= 0.0 {

@@ -208,7 +208,8 @@ mod tests {
         assert_normals_point_out(&mesh);
         let full = 0.08 * 0.06 * 0.2;
         assert!(volume(&mesh) > 0.97 * full && volume(&mesh) < full);
-        let shouldered = loft_mesh(&[[-0.1, 0.04, 0.04], [0.0, 0.04, 0.04], [0.01, 0.02, 0.02], [0.1, 0.02, 0.02]], 1.0);
+        let shouldered =
+            loft_mesh(&[[-0.1, 0.04, 0.04], [0.0, 0.04, 0.04], [0.01, 0.02, 0.02], [0.1, 0.02, 0.02]], 1.0);
         assert_closed(&shouldered);
         assert_normals_point_out(&shouldered);
         // Both rings of the shoulder are doubled.

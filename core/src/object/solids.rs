@@ -24,7 +24,11 @@ pub fn box_mesh(size_m: &Vector3<f64>) -> Mesh {
                 mesh.normals.push(normal);
             }
             for [a, b, c] in [[0, 1, 2], [0, 2, 3]] {
-                mesh.triangles.push(if side > 0.0 { [first + a, first + b, first + c] } else { [first + a, first + c, first + b] });
+                mesh.triangles.push(if side > 0.0 {
+                    [first + a, first + b, first + c]
+                } else {
+                    [first + a, first + c, first + b]
+                });
             }
         }
     }

@@ -30,6 +30,13 @@ impl Hasher for CellHasher {
     }
 }
 
+impl Cell {
+    /// The cell so many cells away; at the end of the world it wraps around, and the distances of the points tell.
+    fn moved(self, by: [i64; 3]) -> Self {
+        Self(self.0.wrapping_add(by[0]), self.1.wrapping_add(by[1]), self.2.wrapping_add(by[2]))
+    }
+}
+
 type Cells = HashMap<Cell, u32, BuildHasherDefault<CellHasher>>;
 
 /// The cluster of each point, as numbers from 0 in order of first appearance.
@@ -38,7 +45,7 @@ pub(super) fn link(points: &[Point3<f64>], distance_m: f64) -> Vec<u32> {
     let mut sets = Sets::new(grid.cells.len());
     for offset in half_neighbours() {
         for (here, cell) in (0u32..).zip(&grid.cells) {
-            let neighbour = Cell(cell.at.0 + offset[0], cell.at.1 + offset[1], cell.at.2 + offset[2]);
+            let neighbour = cell.at.moved(offset);
             let Some(&there) = grid.index.get(&neighbour) else { continue };
             if sets.find(here) != sets.find(there) && grid.touch(here, there, distance_m) {
                 sets.unite(here, there);
@@ -62,10 +69,8 @@ pub(super) fn link(points: &[Point3<f64>], distance_m: f64) -> Vec<u32> {
 /// One of each two opposite offsets to the cells that can hold a linked point, nearest first, so that most cells are
 /// united by touching neighbours before the far ones are looked at.
 fn half_neighbours() -> Vec<[i64; 3]> {
-    let mut offsets: Vec<[i64; 3]> = (0..125i64)
-        .map(|k| [k / 25 - 2, k / 5 % 5 - 2, k % 5 - 2])
-        .filter(|offset| *offset > [0; 3])
-        .collect();
+    let mut offsets: Vec<[i64; 3]> =
+        (0..125i64).map(|k| [k / 25 - 2, k / 5 % 5 - 2, k % 5 - 2]).filter(|offset| *offset > [0; 3]).collect();
     offsets.sort_by_key(|offset| offset.iter().map(|part| part * part).sum::<i64>());
     offsets
 }

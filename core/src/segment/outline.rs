@@ -48,7 +48,9 @@ impl InnerCells {
         let inside = (0..Self::COUNT * Self::COUNT)
             .map(|cell| (cell % Self::COUNT, cell / Self::COUNT))
             // The outline is convex: four corners inside make the whole cell inside.
-            .map(|(column, row)| at(column, row) && at(column + 1, row) && at(column, row + 1) && at(column + 1, row + 1))
+            .map(|(column, row)| {
+                at(column, row) && at(column + 1, row) && at(column, row + 1) && at(column + 1, row + 1)
+            })
             .collect();
         Some(Self { least, cells_per_m: size.map(|size| 1.0 / size), inside })
     }

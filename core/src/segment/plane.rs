@@ -64,7 +64,8 @@ mod tests {
     fn the_best_plane_of_points_in_a_plane_is_that_plane() {
         for k in 0..50 {
             let mut rng = crate::rng::Rng::new(3, k);
-            let plane = Plane { normal: Unit::try_new(rng.direction(), 0.1).unwrap(), offset_m: rng.uniform(-2.0, 2.0) };
+            let plane =
+                Plane { normal: Unit::try_new(rng.direction(), 0.1).unwrap(), offset_m: rng.uniform(-2.0, 2.0) };
             let (u, v) = plane.basis();
             assert!(u.cross(&v).dot(&plane.normal) > 1.0 - 1e-12);
             let points: Vec<Point3<f64>> = (0..40)

@@ -61,11 +61,8 @@ fn sample(points: &[Point3<f64>], seed: u64) -> Vec<Point3<f64>> {
     let wanted = REFINE as f64 / points.len().max(1) as f64;
     // `as` saturates: a small cloud is taken whole.
     let limit = (wanted * u64::MAX as f64) as u64;
-    let mut chosen: Vec<(u64, Point3<f64>)> = points
-        .iter()
-        .map(|p| (hash(p, seed), *p))
-        .filter(|(key, _)| *key <= limit)
-        .collect();
+    let mut chosen: Vec<(u64, Point3<f64>)> =
+        points.iter().map(|p| (hash(p, seed), *p)).filter(|(key, _)| *key <= limit).collect();
     chosen.sort_unstable_by(|(k, p), (l, q)| {
         k.cmp(l).then_with(|| p.x.total_cmp(&q.x)).then_with(|| p.y.total_cmp(&q.y)).then_with(|| p.z.total_cmp(&q.z))
     });
@@ -108,7 +105,8 @@ mod tests {
     fn the_plane_is_found_among_outliers_in_any_frame() {
         for seed in 0..20 {
             let mut rng = Rng::new(seed, 1);
-            let truth = Plane { normal: Unit::try_new(rng.direction(), 0.1).unwrap(), offset_m: rng.uniform(-1.0, 1.0) };
+            let truth =
+                Plane { normal: Unit::try_new(rng.direction(), 0.1).unwrap(), offset_m: rng.uniform(-1.0, 1.0) };
             let found = largest_plane(&scene(&truth, seed), &SegmentSettings::default(), seed).unwrap();
             let angle = found.plane.normal.dot(&truth.normal).abs();
             // 6 000 points of 3 mm over a metre fix the tilt to about 0.1 mm/m; outliers near the plane add some.

@@ -45,10 +45,58 @@ pub fn table_to_robot(segmentation: &Segmentation, cloud: &PointCloud, spot: &Ta
     let R_WF = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(R_FW.transpose()));
     let turned = R_WF * centroid;
     // In the turned frame the table plane is z = offset.
-    let shift = Vector3::new(
-        spot.spot_m[0] - turned.x,
-        spot.spot_m[1] - turned.y,
-        spot.height_m - segmentation.table.offset_m,
-    );
+    let shift =
+        Vector3::new(spot.spot_m[0] - turned.x, spot.spot_m[1] - turned.y, spot.height_m - segmentation.table.offset_m);
     Isometry3::from_parts(shift.into(), R_WF)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::segment::{Plane, PointFate};
+    use nalgebra::Unit;
+
+    /// One cluster at (0, 0, 0.1) above the plane z = 0, everything moved by `X_FG`; the sensor stands at `eye` in G.
+    fn moved(X_FG: &Isometry3<f64>, eye: Option<Vector3<f64>>) -> (Segmentation, PointCloud) {
+        let normal = Unit::try_new(X_FG.rotation * Vector3::z(), 0.5).unwrap();
+        let segmentation = Segmentation {
+            table: Plane { normal, offset_m: normal.dot(&X_FG.translation.vector) },
+            outline: Vec::new(),
+            table_points: 0,
+            table_rms_m: 0.0,
+            fates: vec![PointFate::Cluster(0); 2],
+            clusters: vec![vec![0, 1]],
+        };
+        let points = vec![X_FG * Point3::new(-0.1, 0.0, 0.1), X_FG * Point3::new(0.1, 0.0, 0.1)];
+        let X_FC = eye.map(|eye| X_FG * Isometry3::from_parts(eye.into(), UnitQuaternion::identity()));
+        (segmentation, PointCloud { points, colors: Vec::new(), grid: None, X_FC })
+    }
+
+    #[test]
+    fn table_spot_and_viewing_direction_come_out_right_in_any_frame() {
+        let spot = TableSpot { height_m: 0.69, spot_m: [0.5, -0.2], cluster: 0 };
+        for k in 0..20 {
+            let mut rng = crate::rng::Rng::new(11, k);
+            let X_FG = Isometry3::from_parts((rng.direction() * 3.0).into(), rng.rotation());
+            // The sensor looks along +y of G.
+            let (segmentation, cloud) = moved(&X_FG, Some(Vector3::new(0.0, -0.6, 0.9)));
+            let X_WG = table_to_robot(&segmentation, &cloud, &spot) * X_FG;
+            let at = X_WG * Point3::new(0.0, 0.0, 0.1);
+            assert!((at - Point3::new(0.5, -0.2, 0.79)).norm() < 1e-9, "{at}");
+            assert!((X_WG.rotation * Vector3::y() - Vector3::x()).norm() < 1e-9);
+            assert!((X_WG.rotation * Vector3::z() - Vector3::z()).norm() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn without_a_sensor_or_with_one_straight_above_the_axes_still_decide() {
+        let spot = TableSpot { height_m: 0.0, spot_m: [0.0, 0.0], cluster: 7 };
+        let (segmentation, cloud) = moved(&Isometry3::identity(), None);
+        let X_WF = table_to_robot(&segmentation, &cloud, &spot);
+        assert!((X_WF.rotation * Vector3::x() - Vector3::x()).norm() < 1e-9);
+        let (segmentation, cloud) = moved(&Isometry3::identity(), Some(Vector3::new(0.0, 0.0, 1.0)));
+        let X_WF = table_to_robot(&segmentation, &cloud, &spot);
+        // The image's upward direction is -y here.
+        assert!((X_WF.rotation * -Vector3::y() - Vector3::x()).norm() < 1e-9);
+    }
 }

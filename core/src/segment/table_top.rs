@@ -153,14 +153,7 @@ pub fn segment(
             wanted: settings.cluster_min_points,
         });
     }
-    Ok(Segmentation {
-        table,
-        outline: edge.corners(),
-        table_points,
-        table_rms_m: found.rms_m,
-        fates,
-        clusters,
-    })
+    Ok(Segmentation { table, outline: edge.corners(), table_points, table_rms_m: found.rms_m, fates, clusters })
 }
 
 fn go_on(watch: Watch<'_>, fraction: f64, note: &str) -> Result<(), SegmentRefusal> {
@@ -243,10 +236,121 @@ impl Standing {
         let mut ranked: Vec<(Point3<f64>, Vec<u32>)> =
             least.into_iter().zip(clusters).filter(|(_, cluster)| !cluster.is_empty()).collect();
         ranked.sort_by(|(p, a), (q, b)| {
-            b.len().cmp(&a.len()).then_with(|| p.x.total_cmp(&q.x)).then_with(|| p.y.total_cmp(&q.y)).then_with(|| p.z.total_cmp(&q.z))
+            b.len()
+                .cmp(&a.len())
+                .then_with(|| p.x.total_cmp(&q.x))
+                .then_with(|| p.y.total_cmp(&q.y))
+                .then_with(|| p.z.total_cmp(&q.z))
         });
         // Fates number clusters with 16 bits; what comes after is smaller than 65 535 others.
         ranked.truncate(usize::from(u16::MAX));
         (ranked.into_iter().map(|(_, cluster)| cluster).collect(), largest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::Rng;
+    use nalgebra::{Isometry3, Vector3};
+    use proptest::prelude::*;
+
+    /// A table of 1 m × 0.6 m at z = 0 with 1 mm of noise, a floor 0.7 m below it, a wall behind it, and two objects of
+    /// 8 cm × 8 cm × 12 cm (600 and 400 points) with 5 cm between them.
+    fn scene(seed: u64) -> PointCloud {
+        let mut rng = Rng::new(seed, 0);
+        let mut points = Vec::new();
+        for _ in 0..4000 {
+            points.push(Point3::new(rng.uniform(-0.5, 0.5), rng.uniform(-0.3, 0.3), 0.001 * rng.normal()));
+        }
+        for _ in 0..1000 {
+            points.push(Point3::new(rng.uniform(-1.0, 1.0), rng.uniform(-1.0, 1.0), -0.7));
+            points.push(Point3::new(rng.uniform(-1.0, 1.0), 1.0, rng.uniform(-0.7, 0.8)));
+        }
+        for (count, x) in [(600, -0.13), (400, 0.0)] {
+            for _ in 0..count {
+                let (u, v) = (rng.uniform(0.0, 0.08), rng.uniform(0.0, 0.12));
+                points.push(Point3::new(x + u, rng.uniform(0.0, 0.08), v));
+            }
+        }
+        PointCloud { points, colors: Vec::new(), grid: None, X_FC: None }
+    }
+
+    fn run(cloud: &PointCloud) -> Result<Segmentation, SegmentRefusal> {
+        segment(cloud, &SegmentSettings::default(), 1, Watch::idle())
+    }
+
+    #[test]
+    fn objects_table_floor_and_wall_get_their_fates() {
+        let found = run(&scene(1)).unwrap();
+        let count = |fate| found.fates.iter().filter(|f| **f == fate).count();
+        // A twelfth of each object is lower than 1 cm.
+        assert_eq!(found.clusters.len(), 2);
+        assert!((540..560).contains(&found.clusters[0].len()) && (350..380).contains(&found.clusters[1].len()));
+        assert!((4000..4200).contains(&count(PointFate::Table)) && found.table_points == count(PointFate::Table));
+        assert!(count(PointFate::BelowTable) > 1300 && count(PointFate::OffTable) > 400);
+        assert!(found.table.normal.z > 0.9999 && found.table.offset_m.abs() < 5e-4);
+        assert!((found.table_rms_m - 0.001).abs() < 3e-4);
+        assert!(found.outline.iter().all(|c| c.x.abs() < 0.51 && c.y.abs() < 0.31));
+    }
+
+    #[test]
+    fn up_is_where_the_sensor_is_or_else_where_things_stand() {
+        let mut cloud = scene(2);
+        let turned = Isometry3::new(Vector3::zeros(), Vector3::x() * 3.0);
+        let up = |cloud: &PointCloud| run(cloud).map(|found| found.table.normal.into_inner());
+        assert!(up(&cloud.transformed(&turned)).unwrap().dot(&(turned.rotation * Vector3::z())) > 0.999);
+        // Seen from below, the floor is what stands on the table, and it is too far away.
+        cloud.X_FC = Some(Isometry3::translation(0.0, 0.0, -0.5));
+        assert!(matches!(up(&cloud), Err(SegmentRefusal::NothingOnTable { wanted: 300, .. })));
+    }
+
+    #[test]
+    fn refusals_say_what_was_found_and_what_was_wanted() {
+        let mut cloud = scene(3);
+        let settings = SegmentSettings { plane_min_points: 50_000, ..SegmentSettings::default() };
+        let refusal = segment(&cloud, &settings, 1, Watch::idle()).unwrap_err();
+        assert!(matches!(refusal, SegmentRefusal::NoPlane { found: 4000..4300, wanted: 50_000, .. }), "{refusal}");
+        let settings = SegmentSettings { cluster_distance_m: f64::NAN, ..SegmentSettings::default() };
+        let refusal = segment(&cloud, &settings, 1, Watch::idle()).unwrap_err();
+        assert!(refusal.to_string().starts_with("setting cluster_distance_m: found NaN"), "{refusal}");
+        let stop = Watch::new(&|| true, &|_, _| (), &|| 0.0);
+        assert_eq!(segment(&cloud, &SegmentSettings::default(), 1, stop), Err(SegmentRefusal::Stopped));
+        cloud.points.truncate(4000);
+        assert!(matches!(run(&cloud), Err(SegmentRefusal::NothingOnTable { above: 0, largest: 0, .. })));
+        cloud.points.clear();
+        assert_eq!(run(&cloud), Err(SegmentRefusal::NoPoints));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(16))]
+
+        #[test]
+        fn a_permuted_cloud_gives_the_same_fates(seed in 0u64..1000) {
+            let cloud = scene(seed);
+            let mut rng = Rng::new(seed, 7);
+            let mut order: Vec<u32> = (0..cloud.points.len() as u32).collect();
+            for k in (1..order.len()).rev() {
+                order.swap(k, rng.index(k + 1));
+            }
+            let (found, permuted) = (run(&cloud).unwrap(), run(&cloud.subset(&order)).unwrap());
+            prop_assert_eq!(found.table, permuted.table);
+            for (place, original) in order.iter().enumerate() {
+                prop_assert_eq!(permuted.fates[place], found.fates[*original as usize]);
+            }
+        }
+
+        #[test]
+        fn wild_numbers_are_refused_or_segmented_but_never_panic(
+            points in prop::collection::vec(prop::array::uniform3(prop_oneof![
+                -1.0f64..1.0, Just(0.0), Just(1e-300), Just(1e7), Just(-1e200), Just(f64::MAX),
+            ]).prop_map(Point3::from), 0..80),
+        ) {
+            let cloud = PointCloud { points, colors: Vec::new(), grid: None, X_FC: None };
+            let settings = SegmentSettings { plane_min_points: 3, cluster_min_points: 1, ..SegmentSettings::default() };
+            if let Ok(found) = segment(&cloud, &settings, 1, Watch::idle()) {
+                prop_assert_eq!(found.fates.len(), cloud.points.len());
+            }
+        }
     }
 }
