@@ -120,11 +120,7 @@ impl Mover<'_> {
         fingers: &[f64],
         carries: bool,
     ) -> Result<Draft, String> {
-        let joints = self.cell.arm().dofs.iter().map(|&dof| &self.cell.robot.joints[self.cell.robot.dof_joints[dof]]);
-        let limits = MotionLimits {
-            velocity: space.max_velocity.clone(),
-            acceleration: joints.map(|joint| joint.limit.acceleration).collect(),
-        };
+        let limits = MotionLimits::of(space);
         let timing = TimingSettings {
             velocity_scale: self.settings.velocity_scale,
             acceleration_scale: self.settings.acceleration_scale,
