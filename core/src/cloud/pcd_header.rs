@@ -236,9 +236,9 @@ fn read_viewpoint(entries: &Entries, notes: &mut Vec<String>) -> Result<Isometry
     }
     let [tx, ty, tz, w, x, y, z] = values;
     let rotation = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-6);
-    let far = [tx, ty, tz].iter().any(|t| !(t.abs() <= super::MAX_COORDINATE_M));
+    let near = [tx, ty, tz].iter().all(|t| t.abs() <= super::MAX_COORDINATE_M);
     match rotation {
-        Some(rotation) if !far && rotation.coords.iter().all(|part| part.is_finite()) => {
+        Some(rotation) if near && rotation.coords.iter().all(|part| part.is_finite()) => {
             Ok(Isometry3::from_parts(Translation3::new(tx, ty, tz), rotation))
         }
         _ => {

@@ -144,7 +144,8 @@ impl Patches {
         let cell_m = CELL_M.max((most - least).max() / MAX_CELLS);
         // One more cell all around for the neighbours.
         let least = least.map(|x| x - cell_m);
-        let size = (most - least) / cell_m;
+        // Coordinates beyond all measure may not even divide: `min` bounds what comes of them.
+        let size = ((most - least) / cell_m).map(|count| count.min(MAX_CELLS + 2.0));
         let (columns, rows) = (size.x as usize + 2, size.y as usize + 2);
         let mut grid = Self { least, cell_m, columns, rows, kept: vec![false; columns * rows] };
         let mut counts = vec![0u32; columns * rows];

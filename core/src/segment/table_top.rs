@@ -290,7 +290,8 @@ mod tests {
         assert!((4000..4200).contains(&count(PointFate::Table)) && found.table_points == count(PointFate::Table));
         assert!(count(PointFate::BelowTable) > 1300 && count(PointFate::OffTable) > 400);
         assert!(found.table.normal.z > 0.9999 && found.table.offset_m.abs() < 5e-4);
-        assert!((found.table_rms_m - 0.001).abs() < 3e-4);
+        // The objects' lowest centimetre, some 80 points, adds 0.3 mm to the noise.
+        assert!((found.table_rms_m - 0.0013).abs() < 1e-4, "{}", found.table_rms_m);
         assert!(found.outline.iter().all(|c| c.x.abs() < 0.51 && c.y.abs() < 0.31));
     }
 
