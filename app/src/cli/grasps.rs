@@ -65,7 +65,7 @@ fn request_for_object(args: &Args, common: &Common) -> Result<Request, Failure> 
     let object = assets::library().object(&args.object).map_err(|error| Failure::new(error.to_string()))?;
     let arm: ArmChoice = args.arm.map_or(base.arm, Into::into);
     let side = if arm == ArmChoice::Left { 1.0 } else { -1.0 };
-    let height = base.table.height_m + object.half_extents_m().z;
+    let height = base.table.height_m + object.half_extents().z;
     let X_WO = Isometry3::translation(0.50, 0.25 * side, height);
     let mut request = input::request(assets::DEMOS[0], args.robot.as_deref(), common)?;
     request.scene = Scene {

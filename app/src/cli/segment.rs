@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use endcomfort_core::cloud::{PlyEncoding, PointCloud, write_ply};
+use endcomfort_core::pipeline::synthetic_cloud;
 use endcomfort_core::segment::{PointFate, SegmentSettings, segment};
 use endcomfort_core::watch::Watch;
 use serde_json::json;
@@ -22,10 +23,9 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
     let (cloud, settings, seed) = if input::is_scene(&args.scene) {
-        let scene = input::scene(&args.scene)?;
-        let seed = common.seed.unwrap_or(scene.seed);
-        let cloud = endcomfort_core::pipeline::synthetic_cloud(&scene, &assets::library(), seed)?;
-        (cloud, scene.segment, seed)
+        let mut scene = input::scene(&args.scene)?;
+        scene.seed = common.seed.unwrap_or(scene.seed);
+        (synthetic_cloud(&scene, &assets::library())?, scene.segment, scene.seed)
     } else {
         let loaded = input::cloud_file(Path::new(&args.scene))?;
         loaded.notes.iter().for_each(|note| eprintln!("{note}"));
@@ -44,6 +44,7 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
         "too_low": count(|f| matches!(f, PointFate::TooLow)),
         "too_high": count(|f| matches!(f, PointFate::TooHigh)),
         "off_table": count(|f| matches!(f, PointFate::OffTable)),
+        "known_obstacle": count(|f| matches!(f, PointFate::KnownObstacle)),
         "small_cluster": count(|f| matches!(f, PointFate::SmallCluster)),
     });
     let clusters: Vec<_> = found.clusters.iter().map(|indices| cluster_json(&cloud, indices)).collect();
@@ -87,7 +88,7 @@ fn write_clusters(folder: &Path, cloud: &PointCloud, clusters: &[Vec<u32>]) -> R
     std::fs::create_dir_all(folder).map_err(failed)?;
     for (index, indices) in clusters.iter().enumerate() {
         let path = folder.join(format!("cluster_{index}.ply"));
-        std::fs::write(&path, write_ply(&cloud.subset(indices), PlyEncoding::BinaryLittleEndian)).map_err(failed)?;
+        std::fs::write(&path, write_ply(&cloud.subset(indices), PlyEncoding::LittleEndian)).map_err(failed)?;
         eprintln!("wrote {}", path.display());
     }
     Ok(())

@@ -1,12 +1,12 @@
 //! From a scene or a dropped file to the cloud that the robot sees, its segments and their fits.
 
-use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Point3, Vector3};
 
-use crate::cloud::{PointCloud, RgbdCamera, SeenBody, read_cloud};
+use crate::cloud::{PointCloud, RgbdCamera, read_cloud};
 use crate::fit::{FitInput, fit};
 use crate::job::{DroppedCloud, FitOutput, Refusal, SceneOutput, SegmentOutput};
 use crate::library::Library;
-use crate::mesh::Mesh;
+use crate::object::view_scene;
 use crate::parallel;
 use crate::scene::Scene;
 use crate::segment::{TableSpot, segment, table_to_robot};
@@ -16,8 +16,6 @@ use crate::watch::Watch;
 const OBSTACLE_MARGIN_M: f64 = 0.012;
 /// Where the centre of a dropped cloud's largest cluster is put on the robot's table, metres from the torso axis.
 const DROPPED_AT_M: [f64; 2] = [0.52, 0.24];
-const TABLE_COLOR: [u8; 3] = [126, 112, 98];
-const OBSTACLE_COLOR: [u8; 3] = [170, 140, 110];
 
 fn refused(message: impl Into<String>) -> Refusal {
     Refusal { message: message.into(), details: Vec::new() }
@@ -27,46 +25,16 @@ fn refused(message: impl Into<String>) -> Refusal {
 ///
 /// # Errors
 /// A [`Refusal`] when the scene names an object that does not exist.
-pub fn synthetic_cloud(scene: &Scene, library: &Library, seed: u64) -> Result<PointCloud, Refusal> {
-    let table = &scene.table;
-    let center =
-        Translation3::new(table.center_m[0], table.center_m[1], table.height_m - 0.5 * table.thickness_m);
-    let mut meshes: Vec<(Mesh, Isometry3<f64>, [u8; 3])> = vec![(
-        box_mesh(Vector3::new(table.size_m[0], table.size_m[1], table.thickness_m)),
-        Isometry3::from_parts(center, UnitQuaternion::identity()),
-        TABLE_COLOR,
-    )];
-    for obstacle in &scene.obstacles {
-        meshes.push((box_mesh(obstacle.size_m), obstacle.X_WB, OBSTACLE_COLOR));
-    }
-    for placed in &scene.objects {
-        let object = library.object(&placed.object).map_err(|error| refused(error.to_string()))?;
-        meshes.push((object.mesh(), placed.X_WO, object.color));
-    }
-    let bodies: Vec<SeenBody<'_>> =
-        meshes.iter().map(|(mesh, X_WM, color)| SeenBody { mesh, X_WM: *X_WM, color: *color }).collect();
-    Ok(RgbdCamera::default().render(&bodies, &scene.X_WC, seed).cloud)
-}
-
-fn box_mesh(size_m: Vector3<f64>) -> Mesh {
-    let mut mesh = Mesh::default();
-    for axis in 0..3 {
-        for sign in [-1.0, 1.0] {
-            let mut normal = Vector3::zeros();
-            normal[axis] = sign;
-            let mut u = Vector3::zeros();
-            u[(axis + 1) % 3] = sign;
-            let v = normal.cross(&u);
-            let first = mesh.positions.len() as u32;
-            for (s, t) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
-                let corner: Vector3<f64> = normal + u * s + v * t;
-                mesh.positions.push(Point3::from(corner.component_mul(&size_m) * 0.5));
-                mesh.normals.push(normal);
-            }
-            mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
-        }
-    }
-    mesh
+pub fn synthetic_cloud(scene: &Scene, library: &Library) -> Result<PointCloud, Refusal> {
+    let objects = scene
+        .objects
+        .iter()
+        .map(|placed| library.object(&placed.object).map(|object| object.as_ref().clone()))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(|error| refused(error.to_string()))?;
+    let view =
+        view_scene(scene, &objects, &RgbdCamera::default()).map_err(|error| refused(error.to_string()))?;
+    Ok(view.cloud)
 }
 
 /// The cloud of a request, in W.
@@ -77,7 +45,7 @@ pub(super) fn scene_output(
     watch: Watch<'_>,
 ) -> Result<SceneOutput, Refusal> {
     let Some(file) = dropped else {
-        return Ok(SceneOutput { cloud: synthetic_cloud(scene, library, scene.seed)?, notes: Vec::new() });
+        return Ok(SceneOutput { cloud: synthetic_cloud(scene, library)?, notes: Vec::new() });
     };
     let loaded =
         read_cloud(&file.name, &file.bytes).map_err(|error| refused(format!("{}: {error}", file.name)))?;
