@@ -1,75 +1,25 @@
 //! Fitting a superquadric to a partial, noisy cluster (thesis chapter 3).
+//!
+//! The way of a cluster through [`fit`]: into a frame of its own (`frame`), completed by its mirror image as far as the
+//! camera allows (`view`, `mirror`), thinned (`thin`), then Levenberg–Marquardt on the radial objective (`objective`,
+//! `levenberg_marquardt`) from every axis of several boxes (`starts`), few points first.
+//!
+//! Not here: deformed shapes, several superquadrics for one object, and the thesis's other four objectives.
 
-use nalgebra::{Isometry3, Point3};
-use serde::{Deserialize, Serialize};
+mod candidate;
+mod frame;
+mod levenberg_marquardt;
+mod metrics;
+mod mirror;
+mod objective;
+mod run;
+mod starts;
+#[cfg(test)]
+mod test_scenes;
+mod thin;
+mod types;
+mod view;
 
-use crate::segment::Plane;
-use crate::superquadric::Superquadric;
-
-/// Settings of a fit; the defaults are the thesis's.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct FitSettings {
-    /// Edge of the voxel grid that thins the cloud, metres; 0 takes the cloud as it is.
-    pub voxel_m: f64,
-    /// Whether the unseen side is completed by a mirror image.
-    pub mirror: MirrorMode,
-    /// Iterations of Levenberg–Marquardt per start.
-    pub max_iterations: u32,
-}
-
-impl Default for FitSettings {
-    fn default() -> Self {
-        Self { voxel_m: 0.015, mirror: MirrorMode::Auto, max_iterations: 100 }
-    }
-}
-
-/// Whether the unseen side is completed by a mirror image.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum MirrorMode {
-    /// When the camera and the table are known and a plane of symmetry passes the test.
-    Auto,
-    /// As `Auto`, and a fit without a mirror plane is refused.
-    On,
-    /// Never.
-    Off,
-}
-
-/// What is fitted.
-#[derive(Clone, Copy, Debug)]
-pub struct FitInput<'a> {
-    /// Points of one object in F, metres.
-    pub points: &'a [Point3<f64>],
-    /// Pose of the camera's optical frame in F, if the points are one view.
-    pub X_FC: Option<Isometry3<f64>>,
-    /// The table that the object stands on, in F.
-    pub table: Option<Plane>,
-}
-
-/// A fitted superquadric with its errors and its history.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Fit {
-    /// The result, in the frame of the input.
-    pub superquadric: Superquadric,
-    /// E_r: mean radial distance of the input points, metres.
-    pub radial_m: f64,
-    /// E_g as printed in (3.9): mean (f^e1 - 1)².
-    pub goodness_of_fit: f64,
-    /// E_g as the thesis's tables use it: mean |f - 1|.
-    pub goodness_of_fit_abs: f64,
-    /// Volume (3.11), cubic metres.
-    pub volume_m3: f64,
-    /// Iterations of Levenberg–Marquardt over all starts.
-    pub iterations: u32,
-    /// Points of the input.
-    pub points: usize,
-    /// Points after thinning, mirrored ones included.
-    pub used_points: usize,
-    /// Points that mirroring added, in F.
-    pub mirrored: Vec<Point3<f64>>,
-    /// What became of mirroring, for a person.
-    pub mirror_note: String,
-    /// One line per start: which axis, its cost, why it stopped.
-    pub starts: Vec<String>,
-}
+pub use metrics::{FitErrors, fit_errors};
+pub use run::fit;
+pub use types::{Fit, FitInput, FitRefusal, FitSettings, MirrorMode};

@@ -18,7 +18,8 @@ mod superellipse;
 mod support;
 mod volume;
 
-pub(crate) use gauge::{AxesGauge, LogGauge};
-pub(crate) use kernels::{fast_exp, fast_ln};
+pub use distance::DistanceField;
+pub(crate) use gauge::AxesGauge;
+pub(crate) use kernels::fast_exp;
 pub use sampling::SurfaceSample;
 pub use shape::{EXPONENT_MAX, EXPONENT_MIN, Superquadric, SuperquadricError};

@@ -1,6 +1,6 @@
 //! Points spread evenly over the surface, with normals: where grasps start.
 
-use std::collections::BTreeMap;
+use std::collections::HashMap;
 
 use nalgebra::{Point3, Vector3};
 
@@ -81,12 +81,13 @@ fn ring_points(section: &QuarterArc, ring: f64, spacing_m: f64) -> Vec<UnitPoint
 /// A set of points no two of which are closer than a distance.
 struct Spread {
     closest_m: f64,
-    cells: BTreeMap<[i32; 3], Vec<Point3<f64>>>,
+    /// Looked up, never iterated, so the order of the hash does not matter.
+    cells: HashMap<[i32; 3], Vec<Point3<f64>>>,
 }
 
 impl Spread {
     fn new(closest_m: f64) -> Self {
-        Self { closest_m, cells: BTreeMap::new() }
+        Self { closest_m, cells: HashMap::new() }
     }
 
     /// Adds the point unless one that is already here is too close; says whether it was added.
