@@ -27,10 +27,11 @@ const MAX_ANGLE_RAD: f64 = 0.873;
 /// Search grid: angles either side of the direction of view, and offsets.
 const ANGLES_EACH_SIDE: i32 = 6;
 const OFFSETS: i32 = 24;
-/// Refinements of the best grid cell; each halves the steps.
+/// Angles of the grid that are refined, and how often; each refinement halves the steps.
+const REFINED_ANGLES: usize = 4;
 const REFINEMENTS: u32 = 5;
 /// Points are thinned to about this many for the search.
-const SEARCH_POINTS: f64 = 250.0;
+const SEARCH_POINTS: f64 = 180.0;
 
 /// A vertical plane in D: `normal · p = offset_m`, normal horizontal.
 #[derive(Clone, Copy, Debug)]
@@ -111,42 +112,67 @@ fn possible(points: impl Iterator<Item = Point3<f64>>, view: &View) -> Vec<Point
     points.filter(|p| view.impossibility(p).total_m() <= POINT_PASS_M).collect()
 }
 
-/// Grid over angle and offset around the direction of view, then refinement of the best cell.
+/// Grid over angle and offset around the direction of view, then refinement of the best angles.
+///
+/// The valley around a box's plane is only about 6° wide, so the best grid cell alone may lie in another one.
 fn search_first(points: &[(Point3<f64>, usize)], view: &View, ahead_rad: f64) -> MirrorPlane {
-    let mut best = (f64::INFINITY, ahead_rad, 0.0);
     let angle_step = MAX_ANGLE_RAD / f64::from(ANGLES_EACH_SIDE);
-    let mut offset_step = 0.0;
     // From the direction of view outwards, so that of equal planes the one facing the camera wins.
-    for k in 0..=2 * ANGLES_EACH_SIDE {
-        let angle = ahead_rad + angle_step * f64::from(if k % 2 == 0 { k / 2 } else { -(k + 1) / 2 });
-        let normal = horizontal(angle);
-        let [near, far] = range_along(points, &normal);
-        // The middle of the object is behind the middle of what is seen and before twice its depth.
-        let step = (far - near) / f64::from(OFFSETS);
-        for j in 0..OFFSETS {
-            let offset = near + (far - near) * 0.25 + step * f64::from(j);
-            let cost = cost_of(points, view, &normal, offset);
-            if cost < best.0 {
-                best = (cost, angle, offset);
-                offset_step = step;
+    let mut by_angle: Vec<Cell> = (0..=2 * ANGLES_EACH_SIDE)
+        .map(|k| {
+            let angle_rad = ahead_rad + angle_step * f64::from(outwards(k));
+            let normal = horizontal(angle_rad);
+            let [near, far] = range_along(points, &normal);
+            let offset_step = (far - near) / f64::from(OFFSETS);
+            // The middle of the object is behind the front of what is seen; it may even be behind its rear.
+            let first = Cell { cost_m: f64::INFINITY, angle_rad, offset_m: near, offset_step };
+            (0..OFFSETS)
+                .map(|j| near + (far - near) * 0.25 + offset_step * f64::from(j))
+                .fold(first, |best, offset_m| best.or(points, view, angle_rad, offset_m))
+        })
+        .collect();
+    by_angle.sort_by(|p, q| p.cost_m.total_cmp(&q.cost_m)); // stable: equal costs keep their order
+    let refined = by_angle.iter().take(REFINED_ANGLES).map(|cell| {
+        let mut best = *cell;
+        let (mut da, mut d) = (0.5 * angle_step, 0.5 * cell.offset_step);
+        for _ in 0..REFINEMENTS {
+            let middle = best;
+            for (i, j) in [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (-1, 1), (1, -1), (1, 1)] {
+                let turned = middle.angle_rad + da * f64::from(i);
+                let turned = turned.max(ahead_rad - MAX_ANGLE_RAD).min(ahead_rad + MAX_ANGLE_RAD);
+                best = best.or(points, view, turned, middle.offset_m + d * f64::from(j));
             }
+            da *= 0.5;
+            d *= 0.5;
         }
+        best
+    });
+    let best = refined.min_by(|p, q| p.cost_m.total_cmp(&q.cost_m));
+    let (angle_rad, offset_m, cost_m) =
+        best.map_or((ahead_rad, 0.0, f64::INFINITY), |best| (best.angle_rad, best.offset_m, best.cost_m));
+    MirrorPlane { normal: horizontal(angle_rad), offset_m, cost_m }
+}
+
+/// 0, -1, 1, -2, 2, … for k = 0, 1, 2, 3, 4, ….
+fn outwards(k: i32) -> i32 {
+    if k % 2 == 0 { k / 2 } else { -(k + 1) / 2 }
+}
+
+/// A plane of the search, and the step of the grid it came from.
+#[derive(Clone, Copy)]
+struct Cell {
+    cost_m: f64,
+    angle_rad: f64,
+    offset_m: f64,
+    offset_step: f64,
+}
+
+impl Cell {
+    /// The better of this plane and another one.
+    fn or(self, points: &[(Point3<f64>, usize)], view: &View, angle_rad: f64, offset_m: f64) -> Self {
+        let cost_m = cost_of(points, view, &horizontal(angle_rad), offset_m);
+        if cost_m < self.cost_m { Self { cost_m, angle_rad, offset_m, ..self } } else { self }
     }
-    let (mut da, mut d) = (0.5 * angle_step, 0.5 * offset_step);
-    for _ in 0..REFINEMENTS {
-        let (_, angle, offset) = best;
-        for (i, j) in [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (-1, 1), (1, -1), (1, 1)] {
-            let turned = (angle + da * f64::from(i)).max(ahead_rad - MAX_ANGLE_RAD).min(ahead_rad + MAX_ANGLE_RAD);
-            let moved = offset + d * f64::from(j);
-            let cost = cost_of(points, view, &horizontal(turned), moved);
-            if cost < best.0 {
-                best = (cost, turned, moved);
-            }
-        }
-        da *= 0.5;
-        d *= 0.5;
-    }
-    MirrorPlane { normal: horizontal(best.1), offset_m: best.2, cost_m: best.0 }
 }
 
 /// The plane across the first one, by its offset alone; `None` when none passes.
@@ -157,7 +183,7 @@ fn search_second(points: &[(Point3<f64>, usize)], view: &View, first: &MirrorPla
     let middle = 0.5 * (near + far);
     let mut best = (f64::INFINITY, middle);
     for k in 0..=2 * OFFSETS {
-        let offset = middle + step * f64::from(if k % 2 == 0 { k / 2 } else { -(k + 1) / 2 });
+        let offset = middle + step * f64::from(outwards(k));
         let cost = cost_of(points, view, &normal, offset);
         if cost < best.0 {
             best = (cost, offset);
