@@ -43,7 +43,11 @@ pub(crate) fn principal_axes(points: &[Point3<f64>]) -> (Matrix3<f64>, Vector3<f
 ///   is known, else along the cloud's first principal axis.
 /// * Camera alone: the axes of the camera, the origin in the cloud.
 /// * Neither: the principal axes.
-pub(crate) fn working_frame(points: &[Point3<f64>], X_FC: Option<&Isometry3<f64>>, table: Option<&Plane>) -> Isometry3<f64> {
+pub(crate) fn working_frame(
+    points: &[Point3<f64>],
+    X_FC: Option<&Isometry3<f64>>,
+    table: Option<&Plane>,
+) -> Isometry3<f64> {
     let mean = centroid(points.iter());
     let Some(table) = table else {
         let rotation = match X_FC {

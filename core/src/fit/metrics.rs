@@ -21,7 +21,8 @@ pub struct FitErrors {
 /// The errors of `superquadric` on points of its frame F; zero for no points.
 pub fn fit_errors(superquadric: &Superquadric, points: &[Point3<f64>]) -> FitErrors {
     let mut sums = [0.0; 3];
-    let (gauge, e1) = (AxesGauge::new(superquadric.semi_axes().into(), [superquadric.e1, superquadric.e2]), superquadric.e1);
+    let (gauge, e1) =
+        (AxesGauge::new(superquadric.semi_axes().into(), [superquadric.e1, superquadric.e2]), superquadric.e1);
     let X_SF = superquadric.X_FS.inverse().to_matrix();
     for chunk in points.chunks(CHUNK) {
         let mut errors = [[0.0; CHUNK]; 3];
@@ -50,8 +51,10 @@ mod tests {
     #[test]
     fn errors_of_a_larger_sphere_are_as_computed_by_hand() {
         let sphere = Superquadric::new(0.1, 0.1, 0.1, 1.0, 1.0, Isometry3::translation(0.5, 0.0, 0.0)).unwrap();
-        let cloud = sphere.samples(20).iter().map(|q| sphere.X_FS.translation.vector + (q.p_F.coords - sphere.X_FS.translation.vector) * 1.5);
-        let errors = fit_errors(&sphere, &cloud.map(Point3::from).collect::<Vec<_>>());
+        let center = sphere.X_FS.translation.vector;
+        let grown = |p: Point3<f64>| Point3::from(center + (p.coords - center) * 1.5);
+        let cloud: Vec<Point3<f64>> = sphere.samples(20).into_iter().map(|q| grown(q.p_F)).collect();
+        let errors = fit_errors(&sphere, &cloud);
         // |p| = 0.15: f = 2.25, f^e1 - 1 = 1.25.
         assert!((errors.radial_m - 0.05).abs() < 1e-12);
         assert!((errors.goodness_of_fit - 1.5625).abs() < 1e-12);

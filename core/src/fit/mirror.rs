@@ -19,7 +19,7 @@ use crate::math;
 /// 1 m plus a pixel of the outline.
 pub(crate) const PASS_M: f64 = 0.004;
 /// The second plane passes only if it is as good as this, metres: it is a guess on top of a guess.
-pub(crate) const SECOND_PASS_M: f64 = 0.0025;
+pub(crate) const SECOND_PASS_M: f64 = 0.004;
 /// A single mirrored point that is more impossible than this is not added to the cloud, metres.
 const POINT_PASS_M: f64 = 0.004;
 /// The normal of the plane stays this close to the direction of view, radians (50°).
@@ -27,10 +27,11 @@ const MAX_ANGLE_RAD: f64 = 0.873;
 /// Search grid: angles either side of the direction of view, and offsets.
 const ANGLES_EACH_SIDE: i32 = 6;
 const OFFSETS: i32 = 24;
-/// Refinements of the best grid cell; each halves the steps.
+/// Angles of the grid that are refined, and how often; each refinement halves the steps.
+const REFINED_ANGLES: usize = 4;
 const REFINEMENTS: u32 = 5;
 /// Points are thinned to about this many for the search.
-const SEARCH_POINTS: f64 = 250.0;
+const SEARCH_POINTS: f64 = 180.0;
 
 /// A vertical plane in D: `normal · p = offset_m`, normal horizontal.
 #[derive(Clone, Copy, Debug)]
@@ -73,9 +74,10 @@ fn horizontal(angle_rad: f64) -> Vector3<f64> {
 
 /// Smallest and largest coordinate of the points along a direction.
 fn range_along(points: &[(Point3<f64>, usize)], direction: &Vector3<f64>) -> [f64; 2] {
-    points.iter().map(|(p, _)| direction.dot(&p.coords)).fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], x| {
-        [lo.min(x), hi.max(x)]
-    })
+    points
+        .iter()
+        .map(|(p, _)| direction.dot(&p.coords))
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], x| [lo.min(x), hi.max(x)])
 }
 
 /// Searches the planes and mirrors the cloud; points and view in D, whose z axis is the table normal.
@@ -85,7 +87,7 @@ pub(crate) fn mirror(points: &[Point3<f64>], view: &View) -> Option<Mirroring> {
     let mean = super::frame::centroid(points.iter());
     let spread = (points.iter().map(|p| (p - mean).norm_squared()).sum::<f64>() / points.len().max(1) as f64).sqrt();
     // A visible half shell of radius r has about 2π r² of surface.
-    let edge_m = (std::f64::consts::TAU * spread * spread / super::run::tune("SP",250.0)).sqrt();
+    let edge_m = (std::f64::consts::TAU * spread * spread / SEARCH_POINTS).sqrt();
     let sparse = voxel_centroids(points, edge_m);
     if sparse.is_empty() {
         return None;
@@ -110,42 +112,67 @@ fn possible(points: impl Iterator<Item = Point3<f64>>, view: &View) -> Vec<Point
     points.filter(|p| view.impossibility(p).total_m() <= POINT_PASS_M).collect()
 }
 
-/// Grid over angle and offset around the direction of view, then refinement of the best cell.
+/// Grid over angle and offset around the direction of view, then refinement of the best angles.
+///
+/// The valley around a box's plane is only about 6° wide, so the best grid cell alone may lie in another one.
 fn search_first(points: &[(Point3<f64>, usize)], view: &View, ahead_rad: f64) -> MirrorPlane {
-    let mut best = (f64::INFINITY, ahead_rad, 0.0);
     let angle_step = MAX_ANGLE_RAD / f64::from(ANGLES_EACH_SIDE);
-    let mut offset_step = 0.0;
     // From the direction of view outwards, so that of equal planes the one facing the camera wins.
-    for k in 0..=2 * ANGLES_EACH_SIDE {
-        let angle = ahead_rad + angle_step * f64::from(if k % 2 == 0 { k / 2 } else { -(k + 1) / 2 });
-        let normal = horizontal(angle);
-        let [near, far] = range_along(points, &normal);
-        // The middle of the object is behind the middle of what is seen and before twice its depth.
-        let step = (far - near) / f64::from(OFFSETS);
-        for j in 0..OFFSETS {
-            let offset = near + (far - near) * 0.25 + step * f64::from(j);
-            let cost = cost_of(points, view, &normal, offset);
-            if cost < best.0 {
-                best = (cost, angle, offset);
-                offset_step = step;
+    let mut by_angle: Vec<Cell> = (0..=2 * ANGLES_EACH_SIDE)
+        .map(|k| {
+            let angle_rad = ahead_rad + angle_step * f64::from(outwards(k));
+            let normal = horizontal(angle_rad);
+            let [near, far] = range_along(points, &normal);
+            let offset_step = (far - near) / f64::from(OFFSETS);
+            // The middle of the object is behind the front of what is seen; it may even be behind its rear.
+            let first = Cell { cost_m: f64::INFINITY, angle_rad, offset_m: near, offset_step };
+            (0..OFFSETS)
+                .map(|j| near + (far - near) * 0.25 + offset_step * f64::from(j))
+                .fold(first, |best, offset_m| best.or(points, view, angle_rad, offset_m))
+        })
+        .collect();
+    by_angle.sort_by(|p, q| p.cost_m.total_cmp(&q.cost_m)); // stable: equal costs keep their order
+    let refined = by_angle.iter().take(REFINED_ANGLES).map(|cell| {
+        let mut best = *cell;
+        let (mut da, mut d) = (0.5 * angle_step, 0.5 * cell.offset_step);
+        for _ in 0..REFINEMENTS {
+            let middle = best;
+            for (i, j) in [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (-1, 1), (1, -1), (1, 1)] {
+                let turned = middle.angle_rad + da * f64::from(i);
+                let turned = turned.max(ahead_rad - MAX_ANGLE_RAD).min(ahead_rad + MAX_ANGLE_RAD);
+                best = best.or(points, view, turned, middle.offset_m + d * f64::from(j));
             }
+            da *= 0.5;
+            d *= 0.5;
         }
+        best
+    });
+    let best = refined.min_by(|p, q| p.cost_m.total_cmp(&q.cost_m));
+    let (angle_rad, offset_m, cost_m) =
+        best.map_or((ahead_rad, 0.0, f64::INFINITY), |best| (best.angle_rad, best.offset_m, best.cost_m));
+    MirrorPlane { normal: horizontal(angle_rad), offset_m, cost_m }
+}
+
+/// 0, -1, 1, -2, 2, … for k = 0, 1, 2, 3, 4, ….
+fn outwards(k: i32) -> i32 {
+    if k % 2 == 0 { k / 2 } else { -(k + 1) / 2 }
+}
+
+/// A plane of the search, and the step of the grid it came from.
+#[derive(Clone, Copy)]
+struct Cell {
+    cost_m: f64,
+    angle_rad: f64,
+    offset_m: f64,
+    offset_step: f64,
+}
+
+impl Cell {
+    /// The better of this plane and another one.
+    fn or(self, points: &[(Point3<f64>, usize)], view: &View, angle_rad: f64, offset_m: f64) -> Self {
+        let cost_m = cost_of(points, view, &horizontal(angle_rad), offset_m);
+        if cost_m < self.cost_m { Self { cost_m, angle_rad, offset_m, ..self } } else { self }
     }
-    let (mut da, mut d) = (0.5 * angle_step, 0.5 * offset_step);
-    for _ in 0..REFINEMENTS {
-        let (_, angle, offset) = best;
-        for (i, j) in [(-1, 0), (1, 0), (0, -1), (0, 1), (-1, -1), (-1, 1), (1, -1), (1, 1)] {
-            let turned = (angle + da * f64::from(i)).max(ahead_rad - MAX_ANGLE_RAD).min(ahead_rad + MAX_ANGLE_RAD);
-            let moved = offset + d * f64::from(j);
-            let cost = cost_of(points, view, &horizontal(turned), moved);
-            if cost < best.0 {
-                best = (cost, turned, moved);
-            }
-        }
-        da *= 0.5;
-        d *= 0.5;
-    }
-    MirrorPlane { normal: horizontal(best.1), offset_m: best.2, cost_m: best.0 }
 }
 
 /// The plane across the first one, by its offset alone; `None` when none passes.
@@ -156,7 +183,7 @@ fn search_second(points: &[(Point3<f64>, usize)], view: &View, first: &MirrorPla
     let middle = 0.5 * (near + far);
     let mut best = (f64::INFINITY, middle);
     for k in 0..=2 * OFFSETS {
-        let offset = middle + step * f64::from(if k % 2 == 0 { k / 2 } else { -(k + 1) / 2 });
+        let offset = middle + step * f64::from(outwards(k));
         let cost = cost_of(points, view, &normal, offset);
         if cost < best.0 {
             best = (cost, offset);
@@ -172,4 +199,56 @@ fn search_second(points: &[(Point3<f64>, usize)], view: &View, first: &MirrorPla
         }
     }
     (best.0 <= SECOND_PASS_M).then_some(MirrorPlane { normal, offset_m: best.1, cost_m: best.0 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::test_scenes::{Scene, standing};
+
+    #[test]
+    fn a_perfect_mirror_wins() {
+        for yaw_rad in [0.0, 0.3, -0.6, 0.78] {
+            // A box of 6 × 10 × 12 cm: its planes of symmetry are at yaw and yaw + 90°, through its centre.
+            let Scene { seen, X_DC, truth } = standing([0.03, 0.05, 0.06], [0.1, 0.1], yaw_rad);
+            let view = View::new(&seen, &X_DC).unwrap();
+            let found = mirror(&seen, &view).unwrap();
+            assert!(found.first.cost_m < 0.001, "yaw {yaw_rad}: {:?}", found.first);
+            let across = truth.X_FS.inverse_transform_vector(&found.first.normal);
+            assert!(across.x.abs().max(across.y.abs()) > math::cos(0.1), "yaw {yaw_rad}: normal {across:?}");
+            let miss = found.first.normal.dot(&truth.X_FS.translation.vector) - found.first.offset_m;
+            assert!(miss.abs() < 0.003, "yaw {yaw_rad}: {miss}");
+            assert!(found.second.is_some() && found.added.len() > seen.len() / 2);
+            for p in &found.added {
+                let far_m = truth.radial_distance(p);
+                assert!(
+                    far_m < 0.015,
+                    "yaw {yaw_rad}: a mirrored point is {far_m} from the box: {p} {:?} {:?}",
+                    found.first,
+                    found.second
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_plane_off_the_middle_costs_more_on_either_side() {
+        let Scene { seen, X_DC, truth } = standing([0.04, 0.04, 0.06], [0.1, 1.0], 0.0);
+        let view = View::new(&seen, &X_DC).unwrap();
+        let sparse = voxel_centroids(&seen, 0.01);
+        let ahead = truth.X_FS.translation.vector - view.camera().coords;
+        let normal = horizontal(math::atan2(ahead.y, ahead.x));
+        let middle = normal.dot(&truth.X_FS.translation.vector);
+        let cost = |shift: f64| cost_of(&sparse, &view, &normal, middle + shift);
+        assert!(cost(0.0) < 0.0005, "{}", cost(0.0));
+        assert!(cost(0.01) > 3.0 * cost(0.0) && cost(-0.01) > 3.0 * cost(0.0), "{} {}", cost(0.01), cost(-0.01));
+        assert!(cost(0.02) > cost(0.01) && cost(-0.02) > cost(-0.01));
+    }
+
+    #[test]
+    fn mirrored_points_keep_their_height() {
+        let Scene { seen, X_DC, .. } = standing([0.03, 0.03, 0.05], [0.1, 1.0], 0.0);
+        let found = mirror(&seen, &View::new(&seen, &X_DC).unwrap()).unwrap();
+        assert!(!found.added.is_empty() && found.added.iter().all(|p| p.z >= 0.0));
+    }
 }

@@ -14,6 +14,8 @@ mod mirror;
 mod objective;
 mod run;
 mod starts;
+#[cfg(test)]
+mod test_scenes;
 mod thin;
 mod types;
 mod view;

@@ -25,7 +25,6 @@ const TRIANGLE: usize = UNKNOWNS * (UNKNOWNS + 1) / 2;
 #[derive(Clone, Debug)]
 pub(crate) struct WeightedPoints {
     chunks: Vec<Chunk>,
-    count: usize,
     total_weight: f64,
 }
 
@@ -54,12 +53,7 @@ impl WeightedPoints {
                 chunk
             })
             .collect();
-        Self { chunks, count: points.len(), total_weight: points.iter().map(|(_, w)| w).sum() }
-    }
-
-    /// Number of points.
-    pub(crate) fn len(&self) -> usize {
-        self.count
+        Self { chunks, total_weight: points.iter().map(|(_, w)| w).sum() }
     }
 }
 
@@ -150,9 +144,9 @@ impl CandidateFrame {
             let g = [0, 1, 2].map(|i| outward * p[i] + surface * gauge.gradient[i]);
             let w = chunk.root_weight[k];
             rows.residual[k] = w * (radius - surface);
-            for i in 0..3 {
+            for (i, R_i) in R.iter().enumerate() {
                 rows.columns[i][k] = -w * surface * gauge.shares[i] * self.inverse_axes[i];
-                rows.columns[5 + i][k] = -w * (R[i][0] * g[0] + R[i][1] * g[1] + R[i][2] * g[2]);
+                rows.columns[5 + i][k] = -w * (R_i[0] * g[0] + R_i[1] * g[1] + R_i[2] * g[2]);
             }
             rows.columns[3][k] = w * surface * gauge.by_exponent[0];
             rows.columns[4][k] = w * surface * gauge.by_exponent[1];
@@ -203,15 +197,10 @@ impl Sums {
     }
 
     fn finish(&self) -> NormalEquations {
-        let mut hessian = [[0.0; UNKNOWNS]; UNKNOWNS];
-        let mut entry = 0;
-        for i in 0..UNKNOWNS {
-            for j in i..UNKNOWNS {
-                hessian[i][j] = folded(&self.hessian[entry]);
-                hessian[j][i] = hessian[i][j];
-                entry += 1;
-            }
-        }
+        // Entry of (i, j) in the rows of the upper triangle, which get shorter by one each.
+        let entry = |i: usize, j: usize| i * (2 * UNKNOWNS + 1 - i) / 2 + (j - i);
+        let hessian =
+            std::array::from_fn(|i| std::array::from_fn(|j| folded(&self.hessian[entry(i.min(j), i.max(j))])));
         NormalEquations { hessian, gradient: self.gradient.map(|sum| folded(&sum)), cost: folded(&self.cost) }
     }
 }
@@ -306,9 +295,7 @@ mod tests {
             }
             let p = Point3::from(candidate.center() + candidate.R_DS * p_S);
             let equations = single(p, &candidate);
-            let signed = |c: &Candidate| {
-                c.superquadric(&nalgebra::Isometry3::identity()).signed_radial_distance(&p)
-            };
+            let signed = |c: &Candidate| c.superquadric(&nalgebra::Isometry3::identity()).signed_radial_distance(&p);
             let residual = signed(&candidate);
             for k in 0..UNKNOWNS {
                 // A motion off the plane has a one-sided power |x|^(2/e) there, which no difference resolves.
@@ -368,7 +355,6 @@ mod tests {
         let candidate = random_candidate(&mut rng);
         let points: Vec<_> = (0..37).map(|_| (Point3::from(rng.direction() * 0.3), rng.uniform(0.0, 2.0))).collect();
         let all = WeightedPoints::new(&points);
-        assert_eq!(all.len(), 37);
         let sum: f64 = points.iter().map(|(p, w)| w * single(*p, &candidate).cost).sum();
         assert!((Objective::new(&all, None).at(&candidate).cost - sum).abs() < 1e-12);
     }

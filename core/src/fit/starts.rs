@@ -118,10 +118,10 @@ fn tightest_rectangle(points: &[Point3<f64>]) -> f64 {
         }
         let u = [edge[0] / length, edge[1] / length];
         let extent = |d: [f64; 2]| {
-            let [lo, hi] = hull.iter().map(|h| h[0] * d[0] + h[1] * d[1]).fold(
-                [f64::INFINITY, f64::NEG_INFINITY],
-                |[lo, hi], x| [lo.min(x), hi.max(x)],
-            );
+            let [lo, hi] = hull
+                .iter()
+                .map(|h| h[0] * d[0] + h[1] * d[1])
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], x| [lo.min(x), hi.max(x)]);
             hi - lo
         };
         let area = extent(u) * extent([-u[1], u[0]]);
@@ -137,9 +137,8 @@ fn tightest_rectangle(points: &[Point3<f64>]) -> f64 {
 fn convex_hull(points: &[Point3<f64>]) -> Vec<[f64; 2]> {
     let mut flat: Vec<[f64; 2]> = points.iter().map(|p| [p.x, p.y]).collect();
     flat.sort_by(|p, q| p[0].total_cmp(&q[0]).then_with(|| p[1].total_cmp(&q[1])));
-    let turns_left = |o: &[f64; 2], p: &[f64; 2], q: &[f64; 2]| {
-        (p[0] - o[0]) * (q[1] - o[1]) - (p[1] - o[1]) * (q[0] - o[0]) > 0.0
-    };
+    let turns_left =
+        |o: &[f64; 2], p: &[f64; 2], q: &[f64; 2]| (p[0] - o[0]) * (q[1] - o[1]) - (p[1] - o[1]) * (q[0] - o[0]) > 0.0;
     let chain = |points: &mut dyn Iterator<Item = &[f64; 2]>| {
         let mut chain: Vec<[f64; 2]> = Vec::new();
         for p in points {
@@ -175,9 +174,8 @@ pub(crate) fn similar(candidate: &Candidate) -> Vec<(&'static str, Candidate)> {
         scale * p.min(q)
     };
     let square = |p: f64, q: f64| p.min(q) > 0.6 * p.max(q);
-    let eighth = |axis: Vector3<f64>| {
-        candidate.R_DS * UnitQuaternion::from_scaled_axis(axis * std::f64::consts::FRAC_PI_4)
-    };
+    let eighth =
+        |axis: Vector3<f64>| candidate.R_DS * UnitQuaternion::from_scaled_axis(axis * std::f64::consts::FRAC_PI_4);
     if square(a, b) {
         let side = dual(e2, a, b);
         similar.push(("45° dual", Candidate::new([side, side, c], [e1, 2.0 - e2], at, eighth(Vector3::z()))));
@@ -194,14 +192,21 @@ mod tests {
         let turn = 0.4;
         let (sin, cos) = math::sin_cos(turn);
         let corner = |x: f64, y: f64| Point3::new(cos * x - sin * y, sin * x + cos * y, 0.3);
-        let points = [corner(0.1, 0.03), corner(-0.1, 0.03), corner(0.1, -0.03), corner(-0.1, -0.03), corner(0.02, 0.0)];
+        let points =
+            [corner(0.1, 0.03), corner(-0.1, 0.03), corner(0.1, -0.03), corner(-0.1, -0.03), corner(0.02, 0.0)];
         assert!((tightest_rectangle(&points) - turn).abs() < 1e-9);
     }
 
     #[test]
     fn every_axis_is_z_once_and_boxes_are_right_handed() {
         let points: Vec<Point3<f64>> = (0..50)
-            .map(|k| Point3::new(0.1 * math::sin(f64::from(k)), 0.05 * math::cos(1.7 * f64::from(k)), 0.01 * f64::from(k % 7)))
+            .map(|k| {
+                Point3::new(
+                    0.1 * math::sin(f64::from(k)),
+                    0.05 * math::cos(1.7 * f64::from(k)),
+                    0.01 * f64::from(k % 7),
+                )
+            })
             .collect();
         let around = Surroundings { mirror_normal: None, on_table: true, complete: true };
         let all = starts(&points, &around, &[1.0]);

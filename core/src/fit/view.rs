@@ -5,12 +5,9 @@ use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 /// Pixels along one side at most; a cluster of 10 000 points gets about 100.
 const MAX_SIDE: usize = 160;
 /// Points per pixel that the mask should have on average, so that it has few holes before they are closed.
-const POINTS_PER_PIXEL: f64 = 3.0;
+const POINTS_PER_PIXEL: f64 = 2.0;
 /// Free pixels around the cluster: farther away a point is outside by at least this many pixels anyway.
 const MARGIN: usize = 4;
-/// Depth noise that does not count as "in front of the measured surface", metres: twice the noise of a structured
-/// light sensor at 1 m.
-const DEPTH_SLACK_M: f64 = 0.004;
 
 /// The virtual image of a cluster; the pinhole looks along the camera's z axis.
 pub(crate) struct View {
@@ -25,7 +22,7 @@ pub(crate) struct View {
     /// Nearest measured depth per pixel, metres; infinite where nothing was seen.
     depth: Vec<f64>,
     /// Distance of a pixel from the mask, pixels; 0 inside.
-    outside: Vec<f64>,slack:f64,
+    outside: Vec<f64>,
 }
 
 /// How a point contradicts the view; both 0 for a point that the camera could not see.
@@ -33,7 +30,7 @@ pub(crate) struct View {
 pub(crate) struct Impossibility {
     /// Distance from the object's outline, metres at the depth of the point.
     pub(crate) outside_m: f64,
-    /// How far it floats in front of the measured surface, metres, less the slack for noise.
+    /// How far it floats in front of the measured surface, metres.
     pub(crate) in_front_m: f64,
 }
 
@@ -52,9 +49,9 @@ impl View {
         let projected: Vec<([f64; 2], f64)> =
             points.iter().map(|p| project(&(R_CD * p.coords + p_CD))).collect::<Option<_>>()?;
         let range = |axis: usize| {
-            projected.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], (q, _)| {
-                [lo.min(q[axis]), hi.max(q[axis])]
-            })
+            projected
+                .iter()
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], (q, _)| [lo.min(q[axis]), hi.max(q[axis])])
         };
         let ([left, right], [top, bottom]) = (range(0), range(1));
         let (across, down) = (right - left, bottom - top);
@@ -62,9 +59,8 @@ impl View {
         if !(longest.is_finite() && longest > 0.0) {
             return None;
         }
-        let by_density = (across.max(0.05 * longest) * down.max(0.05 * longest) * super::run::tune("PPP",3.0)
-            / points.len() as f64)
-            .sqrt();
+        let by_density =
+            (across.max(0.05 * longest) * down.max(0.05 * longest) * POINTS_PER_PIXEL / points.len() as f64).sqrt();
         let pitch = by_density.max(longest / MAX_SIDE as f64);
         let corner = [left - MARGIN as f64 * pitch, top - MARGIN as f64 * pitch];
         let side = |extent: f64| (extent / pitch) as usize + 1 + 2 * MARGIN;
@@ -84,7 +80,7 @@ impl View {
         let shrunk: Vec<bool> = grow(&grown.iter().map(|m| !m).collect::<Vec<_>>(), width, height);
         let mask: Vec<bool> = shrunk.iter().map(|m| !m).collect();
         let outside = distance_to(&mask, width, height);
-        Some(Self { R_CD, p_CD, width, height, corner, pitch, depth, outside, slack: super::run::tune("SLACK",0.004) })
+        Some(Self { R_CD, p_CD, width, height, corner, pitch, depth, outside })
     }
 
     /// How a point of D contradicts the view.
@@ -100,7 +96,7 @@ impl View {
         let index = pixel[1] * self.width + pixel[0];
         let outside_px = self.outside[index] + (beyond[0] * beyond[0] + beyond[1] * beyond[1]).sqrt();
         let depth = self.depth[index];
-        let in_front_m = if depth.is_finite() { (depth - z - self.slack).max(0.0) } else { 0.0 };
+        let in_front_m = if depth.is_finite() { (depth - z).max(0.0) } else { 0.0 };
         Impossibility { outside_m: outside_px * self.pitch * z, in_front_m }
     }
 
@@ -168,7 +164,11 @@ mod tests {
 
     /// A 10 cm square facing a camera 1 m away, 2 mm between points.
     fn square() -> Vec<Point3<f64>> {
-        (0..51).flat_map(|i| (0..51).map(move |j| Point3::new(0.002 * f64::from(i) - 0.05, 0.002 * f64::from(j) - 0.05, 1.0))).collect()
+        (0..51)
+            .flat_map(|i| {
+                (0..51).map(move |j| Point3::new(0.002 * f64::from(i) - 0.05, 0.002 * f64::from(j) - 0.05, 1.0))
+            })
+            .collect()
     }
 
     #[test]
@@ -177,7 +177,7 @@ mod tests {
         let at = |x: f64, y: f64, z: f64| view.impossibility(&Point3::new(x, y, z));
         assert_eq!(at(0.01, 0.02, 1.0).total_m(), 0.0);
         assert_eq!(at(0.01, 0.02, 1.2).total_m(), 0.0);
-        assert!((at(0.01, 0.02, 0.95).in_front_m - (0.05 - DEPTH_SLACK_M)).abs() < 1e-12);
+        assert!((at(0.01, 0.02, 0.95).in_front_m - 0.05).abs() < 1e-12);
         assert_eq!(at(0.01, 0.02, 0.95).outside_m, 0.0);
         // 3 cm beside the edge, to within a pixel (about 3.5 mm) and the 8 % of the distance transform.
         assert!((at(0.08, 0.0, 1.0).outside_m - 0.03).abs() < 0.006);
@@ -187,7 +187,9 @@ mod tests {
 
     #[test]
     fn clouds_behind_the_camera_or_in_one_place_have_no_view() {
-        assert!(View::new(&[Point3::new(0.0, 0.0, -1.0), Point3::new(0.1, 0.0, 1.0)], &Isometry3::identity()).is_none());
+        assert!(
+            View::new(&[Point3::new(0.0, 0.0, -1.0), Point3::new(0.1, 0.0, 1.0)], &Isometry3::identity()).is_none()
+        );
         assert!(View::new(&[Point3::new(0.0, 0.0, 1.0); 4], &Isometry3::identity()).is_none());
     }
 }

@@ -1,8 +1,8 @@
 //! Distances to the surface: the radial distance (3.4, corrected) and a fast signed bound for contact finding.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
 
-use super::{Superquadric, fast_exp};
+use super::{AxesGauge, Superquadric, fast_exp};
 
 impl Superquadric {
     /// Radial distance (3.4) of a point of F, metres: `|p_S| · |1 - f^(-e1/2)|`, measured along the ray from the centre.
@@ -31,27 +31,76 @@ impl Superquadric {
     /// and equals it to first order at the surface. So a fingertip may safely advance by it. Seen from far away past
     /// an edge or a corner it is too small by up to the distance along the face. At the centre: minus the shortest
     /// semi-axis.
+    ///
+    /// For many points of one shape, [`Superquadric::distance_field`] does the divisions once.
     pub fn signed_distance(&self, p_F: &Point3<f64>) -> f64 {
-        self.signed_distance_and_normal(p_F).0
+        self.distance_field().signed_distance(p_F)
     }
 
     /// [`Superquadric::signed_distance`] and the outward unit normal of that tangent plane, in F.
     ///
     /// The normal is the gradient of the distance for motions of the point along the plane and along the ray.
     pub fn signed_distance_and_normal(&self, p_F: &Point3<f64>) -> (f64, Vector3<f64>) {
-        let p_S = self.to_axes(p_F);
-        let gauge = self.gauge(&p_S);
-        let gradient = gauge.gradient(); // of ln ρ, so |∇ρ| = ρ · |gradient|
-        let slope = gradient.norm();
-        if p_S.coords.norm_squared() <= self.centre_m() * self.centre_m() || slope <= 0.0 {
-            return (-self.semi_axes().min(), self.normal_at(&self.X_FS.translation.vector.into()).into_inner());
+        self.distance_field().signed_distance_and_normal(p_F)
+    }
+
+    /// The signed distance of this shape, prepared for many points.
+    pub fn distance_field(&self) -> DistanceField {
+        let R_FS = *self.X_FS.rotation.to_rotation_matrix().matrix();
+        DistanceField {
+            R_FS,
+            center_F: self.X_FS.translation.vector,
+            gauge: AxesGauge::new([self.a, self.b, self.c], [self.e1, self.e2]),
+            shortest_m: self.semi_axes().min(),
+            shortest_axis_F: R_FS.column(self.semi_axes().imin()).into_owned(),
+            centre_squared: self.centre_m() * self.centre_m(),
         }
-        ((1.0 - fast_exp(-gauge.ln_rho)) / slope, self.X_FS.rotation * (gradient / slope))
     }
 
     /// Points nearer to the centre than this are the centre, metres.
     fn centre_m(&self) -> f64 {
         1e-12 * self.semi_axes().min()
+    }
+}
+
+/// The signed distance of one superquadric, prepared for many points of its frame F.
+#[derive(Clone, Copy, Debug)]
+pub struct DistanceField {
+    R_FS: Matrix3<f64>,
+    center_F: Vector3<f64>,
+    gauge: AxesGauge,
+    shortest_m: f64,
+    shortest_axis_F: Vector3<f64>,
+    centre_squared: f64,
+}
+
+impl DistanceField {
+    /// As [`Superquadric::signed_distance`].
+    #[inline]
+    pub fn signed_distance(&self, p_F: &Point3<f64>) -> f64 {
+        self.in_axes(p_F).map_or(-self.shortest_m, |(distance, _)| distance)
+    }
+
+    /// As [`Superquadric::signed_distance_and_normal`].
+    #[inline]
+    pub fn signed_distance_and_normal(&self, p_F: &Point3<f64>) -> (f64, Vector3<f64>) {
+        match self.in_axes(p_F) {
+            Some((distance, n_S)) => (distance, self.R_FS * n_S),
+            None => (-self.shortest_m, self.shortest_axis_F),
+        }
+    }
+
+    /// Distance and unit normal in S; `None` at the centre.
+    #[inline(always)]
+    fn in_axes(&self, p_F: &Point3<f64>) -> Option<(f64, Vector3<f64>)> {
+        let p_S = self.R_FS.tr_mul(&(p_F.coords - self.center_F));
+        if p_S.norm_squared() <= self.centre_squared {
+            return None;
+        }
+        let gauge = self.gauge.at([p_S.x, p_S.y, p_S.z]);
+        let gradient = gauge.gradient(); // of ln ρ, so |∇ρ| = ρ · |gradient|
+        let per_slope = 1.0 / gradient.norm();
+        Some(((1.0 - fast_exp(-gauge.ln_rho)) * per_slope, gradient * per_slope))
     }
 }
 

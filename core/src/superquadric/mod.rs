@@ -18,6 +18,7 @@ mod superellipse;
 mod support;
 mod volume;
 
+pub use distance::DistanceField;
 pub(crate) use gauge::AxesGauge;
 pub(crate) use kernels::fast_exp;
 pub use sampling::SurfaceSample;

@@ -67,7 +67,8 @@ impl Superquadric {
 
 /// How many steps of about `spacing_m` a quarter of this length takes.
 fn steps(length_m: f64, spacing_m: f64) -> usize {
-    (length_m / spacing_m + 0.5).floor().max(1.0).min(MAX_STEPS) as usize
+    // A cast cuts towards zero; not more than MAX_STEPS because the spacing is held above that.
+    ((length_m / spacing_m + 0.5) as usize).max(1)
 }
 
 /// The points of one ring; a pole is a single point.
@@ -111,6 +112,8 @@ impl Spread {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::{FRAC_PI_2, PI};
+
     use nalgebra::{Isometry3, Translation3};
 
     use super::*;
@@ -169,7 +172,7 @@ mod tests {
         for s in shapes() {
             let samples = s.samples_spaced(0.01);
             for _ in 0..200 {
-                let p = s.point(rng.uniform(-1.57, 1.57), rng.uniform(-3.14, 3.14));
+                let p = s.point(rng.uniform(-FRAC_PI_2, FRAC_PI_2), rng.uniform(-PI, PI));
                 let nearest = samples.iter().map(|q| (q.p_F - p).norm()).min_by(f64::total_cmp).unwrap();
                 // The middle of a square cell of 1.3 spacings is 0.92 of them away.
                 assert!(nearest < 0.01, "{nearest} {s:?}");

@@ -86,7 +86,7 @@ impl QuarterArc {
                     entry += 1;
                 }
                 let span = measure[entry + 1] - measure[entry];
-                let within = if span > 0.0 { ((wanted - measure[entry]) / span).max(0.0).min(1.0) } else { 0.0 };
+                let within = if span > 0.0 { ((wanted - measure[entry]) / span).min(1.0) } else { 0.0 };
                 unit_point(polar(entry as f64 + within), self.e)
             })
             .collect()
