@@ -85,3 +85,131 @@ impl Robot {
         self.postures.iter().find(|(known, _)| known == name).map(|(_, q)| q.as_slice())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::Rng;
+    use crate::robot::samples;
+
+    /// Posture, left finger tip in the world and approach direction: the printed digits of the published postures.
+    const POSTURES: [(&str, [f64; 3], [f64; 3]); 9] = [
+        ("zero", [0.0, 1.339, 1.230], [0.0, 1.0, 0.0]),
+        ("resting", [0.864, 0.758, 1.230], [0.966, 0.259, 0.0]),
+        ("frontal_fist", [0.845, 0.082, 1.230], [0.819, -0.574, 0.0]),
+        ("hug", [0.765, -0.059, 1.230], [0.5, -0.866, 0.0]),
+        ("arc_up", [0.0, 0.829, 2.025], [0.0, 0.643, 0.766]),
+        ("lookup_sky", [0.0, 0.287, 2.283], [0.0, 0.0, 1.0]),
+        ("demanding", [0.955, 0.038, 1.398], [0.970, -0.174, 0.171]),
+        ("display", [0.385, 0.034, 0.845], [0.0, -1.0, 0.0]),
+        ("table_ready", [0.509, 0.289, 0.931], [0.0, 0.0, -1.0]),
+    ];
+
+    /// From the hand frame H, 0.150 above the palm frame, to the finger tips of the straight hand, 0.245 above it.
+    const TIP_FROM_H: f64 = 0.095;
+
+    #[test]
+    fn crichton_stands_where_the_posture_table_says() {
+        let robot = samples::crichton();
+        let tip = |arm: &str, posture: &str| {
+            let X_WL = robot.link_poses(robot.posture(posture).unwrap());
+            let X_WH = X_WL[robot.arm(arm).unwrap().hand.tcp_link];
+            let approach_W = X_WH.rotation * Vector3::z();
+            (X_WH.translation.vector + approach_W * TIP_FROM_H, approach_W)
+        };
+        // Half a unit of the last digit, and one more tenth for the digits themselves. TABLE_READY was recorded, and
+        // its direction is straight down to four digits only.
+        let near = |found: Vector3<f64>, wanted: [f64; 3], tolerance: f64| {
+            assert!((found - Vector3::from(wanted)).amax() < tolerance, "{found:?} is not {wanted:?}");
+        };
+        for (posture, position, approach) in POSTURES {
+            let (p_left, z_left) = tip("left", posture);
+            near(p_left, position, 0.6e-3);
+            near(z_left, approach, 0.7e-3);
+            // The right arm mirrors the left one in y, except where the table gives it numbers of its own.
+            let (p_right, z_right) = tip("right", posture);
+            match posture {
+                "demanding" => {}
+                "table_ready" => {
+                    near(p_right, [0.510, -0.321, 0.931], 0.6e-3);
+                    near(z_right, [0.0, 0.0, -1.0], 0.7e-3);
+                }
+                _ => {
+                    near(p_right, [position[0], -position[1], position[2]], 0.6e-3);
+                    near(z_right, [approach[0], -approach[1], approach[2]], 0.7e-3);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_jacobian_is_the_derivative_of_the_hand_pose() {
+        // h = 1e-6: round-off ε/h ≈ 2e-10 and curvature h² ≈ 1e-12 leave 1e-8 as ample room.
+        let h = 1e-6;
+        for robot in [samples::crichton(), samples::alita()] {
+            let mut rng = Rng::new(5, 0);
+            for arm in &robot.arms {
+                for _ in 0..20 {
+                    let random = |joint: &usize| {
+                        let limit = robot.joints[*joint].limit;
+                        rng.uniform(limit.lower, limit.upper)
+                    };
+                    let q: Vec<f64> = robot.dof_joints.iter().map(random).collect();
+                    let J_WH = robot.hand_jacobian(arm, &robot.link_poses(&q));
+                    for (column, &dof) in arm.dofs.iter().enumerate() {
+                        let at = |step: f64| {
+                            let mut moved = q.clone();
+                            moved[dof] += step;
+                            robot.link_poses(&moved)[arm.hand.tcp_link]
+                        };
+                        let (minus, plus) = (at(-h), at(h));
+                        let linear = (plus.translation.vector - minus.translation.vector) / (2.0 * h);
+                        let angular = (plus.rotation * minus.rotation.inverse()).scaled_axis() / (2.0 * h);
+                        let found = J_WH.column(column);
+                        assert!((found.fixed_rows::<3>(0) - angular).norm() < 1e-8);
+                        assert!((found.fixed_rows::<3>(3) - linear).norm() < 1e-8);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn both_robots_wait_at_home_above_the_table_and_within_their_limits() {
+        for robot in [samples::crichton(), samples::alita()] {
+            for (name, q) in &robot.postures {
+                for (&joint, value) in robot.dof_joints.iter().zip(q) {
+                    let limit = robot.joints[joint].limit;
+                    assert!((limit.lower..=limit.upper).contains(value), "{name}: {}", robot.joints[joint].name);
+                }
+            }
+            for posture in ["home", "table_ready"] {
+                let X_WL = robot.link_poses(robot.posture(posture).unwrap());
+                for (link, X) in robot.links.iter().zip(&X_WL) {
+                    let p = X.translation.vector;
+                    assert!(p.x < 0.2 || p.z > 0.80, "{posture}: {} of {} at {p:?}", link.name, robot.name);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_mimic_jaw_moves_with_the_jaw_it_copies() {
+        let robot = samples::alita();
+        for arm in &robot.arms {
+            let mut q = vec![0.0; robot.dof_count()];
+            q[arm.hand.fingers[0][0]] = 0.03;
+            let X_WL = robot.link_poses(&q);
+            let X_HW = X_WL[arm.hand.tcp_link].inverse();
+            let jaws: Vec<f64> = arm
+                .hand
+                .links
+                .iter()
+                .filter(|&&link| robot.links[link].name.contains("jaw"))
+                .map(|&link| (X_HW * X_WL[link]).translation.vector.x)
+                .collect();
+            assert_eq!(jaws.len(), 2);
+            assert!((jaws[0] - 0.03).abs() < 1e-12 && (jaws[1] + 0.03).abs() < 1e-12, "{jaws:?}");
+        }
+    }
+}

@@ -1,8 +1,20 @@
 //! Robots: URDF + SRDF, kinematics, limits, hands, inverse kinematics.
 
+mod error;
+pub mod ik;
 mod kinematics;
+mod mesh_file;
 mod model;
+#[cfg(test)]
+pub(crate) mod samples;
+mod srdf;
+mod tree;
+mod urdf;
+mod xml;
 
+pub use error::{MAX_LINKS, RobotError};
 pub use model::{
     Arm, CollisionBody, Geometry, Hand, Joint, JointKind, JointLimit, Link, Material, Mimic, Robot, Visual,
 };
+pub use srdf::{apply_srdf, load_robot};
+pub use urdf::{DEFAULT_SECONDS_TO_TOP_SPEED, Resolve, read_urdf};

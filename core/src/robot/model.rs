@@ -126,6 +126,9 @@ pub struct JointLimit {
     pub upper: f64,
     /// Speed, rad/s or m/s, greater than 0.
     pub velocity: f64,
+    /// Acceleration, rad/s² or m/s², greater than 0. `<limit acceleration>` is ours; without it the joint takes
+    /// one second to its top speed.
+    pub acceleration: f64,
 }
 
 /// A mimic joint's position is `multiplier * q[dof] + offset`.
