@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use super::surface::{Surface, V3, cross, sub, unit};
 
 /// Segments around a turned body.
-const AROUND: usize = 32;
+const AROUND: usize = 30;
 
 /// Points around a lofted section.
 const SECTION: usize = 28;
@@ -72,16 +72,11 @@ pub(super) fn lathe_with(profile: &[Corner], around: usize) -> Surface {
     surface
 }
 
-/// A ring with a round section about z.
+/// A ring with a round section about z; its inner side, which the body hides, is left out.
 pub(super) fn ring(radius: f64, tube: f64, z: f64) -> Surface {
-    let profile: Vec<V3> = (0..=6)
-        .map(|i| {
-            let (sin, cos) = (TAU * f64::from(i) / 6.0 - FRAC_PI_2).sin_cos();
-            [cos, sin, 0.0]
-        })
-        .collect();
+    let profile: Vec<(f64, f64)> = (-2..=2).map(|i| (f64::from(i) * 0.9).sin_cos()).collect();
     let mut surface = Surface::default();
-    for [cos, sin, _] in &profile {
+    for (sin, cos) in &profile {
         for j in 0..AROUND {
             let (s, c) = (TAU * j as f64 / AROUND as f64).sin_cos();
             let r = radius + tube * cos;
@@ -96,7 +91,7 @@ pub(super) fn ring(radius: f64, tube: f64, z: f64) -> Surface {
 /// A ball.
 pub(super) fn ball(radius: f64) -> Surface {
     let mut surface = Surface::default();
-    let rows = 14;
+    let rows = 12;
     for i in 0..=rows {
         let (z, r) = (PI * f64::from(i) / f64::from(rows) - FRAC_PI_2).sin_cos();
         for j in 0..AROUND {
@@ -146,13 +141,14 @@ impl Section {
 /// A smooth body through sections from the lowest to the highest, closed at both ends.
 pub(super) fn loft(sections: &[Section]) -> Surface {
     let mut rows: Vec<Vec<V3>> = sections.iter().map(Section::points).collect();
-    for end in [0, rows.len()] {
-        let Some(row) = rows.get(end.saturating_sub(1)) else { continue };
-        let middle = row.iter().fold([0.0; 3], |sum, p| [sum[0] + p[0], sum[1] + p[1], sum[2] + p[2]]);
-        let middle = middle.map(|x| x / row.len() as f64);
-        let cap = vec![middle; row.len()];
-        rows.insert(end, cap);
-    }
+    let cap = |row: &Vec<V3>| {
+        let sum = row.iter().fold([0.0; 3], |sum, p| [sum[0] + p[0], sum[1] + p[1], sum[2] + p[2]]);
+        vec![sum.map(|x| x / row.len() as f64); row.len()]
+    };
+    let caps = [rows.first().map(cap), rows.last().map(cap)];
+    let [bottom, top] = caps.map(Option::unwrap_or_default);
+    rows.insert(0, bottom);
+    rows.push(top);
     Surface::closed_rows(&rows)
 }
 

@@ -68,7 +68,8 @@ impl Surface {
         self
     }
 
-    /// A grid of points, row by row, closed around each row; normals from the neighbours along and across.
+    /// A grid of points, row by row upwards, closed around each row; normals from the neighbours along and across, and
+    /// along z where a row has shrunk to a pole.
     pub(super) fn closed_rows(rows: &[Vec<V3>]) -> Self {
         let mut surface = Self::default();
         for (i, row) in rows.iter().enumerate() {
@@ -76,8 +77,10 @@ impl Surface {
             let n = row.len();
             for j in 0..n {
                 let around = sub(row[(j + 1) % n], row[(j + n - 1) % n]);
+                let normal = cross(around, sub(above[j], below[j]));
+                let at_pole = around.iter().all(|x| x.abs() < 1e-9);
                 surface.points.push(row[j]);
-                surface.normals.push(unit(cross(around, sub(above[j], below[j]))));
+                surface.normals.push(if at_pole { [0.0, 0.0, if i == 0 { -1.0 } else { 1.0 }] } else { unit(normal) });
             }
         }
         surface.stitch(rows.len(), rows.first().map_or(0, Vec::len));
