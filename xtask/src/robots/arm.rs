@@ -42,21 +42,21 @@ impl Fork {
         for t in [0.48, 0.66, 0.82, 0.93] {
             let s = ease((t - 0.40f64).max(0.0) / 0.60);
             let half = mix(r, self.plate_r, s);
-            sections.push(Section::between(z0 + t * body, [-half, half], [mix(-r, outer, s), r], mix(2.0, 2.6, s)));
+            sections.push(Section::between(z0 + t * body, [-half, half], [mix(-r, outer, s), r], mix(2.0, 2.4, s)));
         }
         let plate = |z: f64, half: f64, y_in: f64, exponent: f64| Section::between(z, [-half, half], [outer, y_in], exponent);
         let round = 0.010;
         for (dz, t) in [(0.60, 0.08), (0.92, 0.30), (1.0, 0.62)] {
-            sections.push(plate(deck - round * (1.0 - dz), self.plate_r, mix(r, inner, t), mix(2.6, 3.4, t)));
+            sections.push(plate(deck - round * (1.0 - dz), self.plate_r, mix(r, inner, t), mix(2.4, 3.0, t)));
         }
         for (dz, t) in [(0.004, 0.90), (0.013, 1.0)] {
-            sections.push(plate(deck + dz, self.plate_r, mix(r, inner, t), mix(3.4, 4.2, t)));
+            sections.push(plate(deck + dz, self.plate_r, mix(r, inner, t), mix(3.0, 4.0, t)));
         }
         for angle in [0.0f64, 0.42, 0.80, 1.12, 1.34, 1.48] {
             let half = self.plate_r * angle.cos();
             let thin = 0.35 * (outer - inner).abs() * (1.0 - angle.cos()).powi(2);
             let z = self.joint_z + self.plate_r * angle.sin();
-            sections.push(Section::between(z, [-half, half], [outer + thin, inner - thin], 4.2));
+            sections.push(Section::between(z, [-half, half], [outer + thin, inner - thin], 4.0));
         }
         sections.sort_by(|a, b| a.z.total_cmp(&b.z));
         loft(&sections)
@@ -81,7 +81,7 @@ impl Fork {
 fn drum(r: f64, y: [f64; 2], neck_r: f64, neck_z: f64) -> Surface {
     let soft = 0.34 * r;
     let body = lathe(&[
-        (0.0, y[0], 0.0),
+        (0.80 * r, y[0], 0.0),
         (0.90 * r, y[0], 0.1 * r),
         (r, y[0] + 0.12 * r, 0.2 * r),
         (r, y[1] - 0.25 * r, soft),
@@ -91,7 +91,7 @@ fn drum(r: f64, y: [f64; 2], neck_r: f64, neck_z: f64) -> Surface {
         (0.0, y[1] - 0.003, 0.0),
     ])
     .z_to_y();
-    let neck = lathe(&[(0.82 * neck_r, 0.30 * neck_z, 0.0), (neck_r, 0.72 * neck_z, 0.03), (neck_r, neck_z, 0.002), (0.0, neck_z, 0.0)]);
+    let neck = lathe(&[(0.84 * neck_r, 0.36 * neck_z, 0.0), (neck_r, 0.72 * neck_z, 0.03), (neck_r, neck_z, 0.0), (0.8 * neck_r, neck_z, 0.0)]);
     body.with(neck)
 }
 
@@ -103,7 +103,7 @@ fn forearm(length: f64) -> Fork {
         joint_z: length,
         drum_r: 0.0500,
         plate_r: 0.0420,
-        plate_y: [-0.0440, -0.0740],
+        plate_y: [-0.0440, -0.0715],
     }
 }
 
@@ -114,13 +114,13 @@ fn collar(mount: f64) -> Surface {
         (0.0395, 0.0480, 0.012),
         (0.0408, mount - 0.0135, 0.0),
         (0.0385, mount - 0.0105, 0.001),
-        (0.0, mount - 0.0105, 0.0),
+        (0.0300, mount - 0.0105, 0.0),
     ])
 }
 
 fn mount_plate(mount: f64) -> Surface {
     lathe(&[
-        (0.0, mount - 0.0110, 0.0),
+        (0.0300, mount - 0.0110, 0.0),
         (0.0405, mount - 0.0110, 0.0012),
         (0.0405, mount - 0.0005, 0.0012),
         (0.0, mount - 0.0005, 0.0),
@@ -134,7 +134,7 @@ pub(super) fn models() -> Vec<Model> {
         joint_z: 0.240,
         drum_r: 0.066,
         plate_r: 0.0615,
-        plate_y: [-0.0620, -0.0960],
+        plate_y: [-0.0620, -0.0930],
     };
     let upper = Fork {
         foot: (0.118, 0.0555),
@@ -142,13 +142,13 @@ pub(super) fn models() -> Vec<Model> {
         joint_z: 0.328,
         drum_r: 0.0565,
         plate_r: 0.0515,
-        plate_y: [-0.0525, -0.0845],
+        plate_y: [-0.0525, -0.0820],
     };
     let long = forearm(0.323);
     let short = forearm(0.2765);
     let at_drum = |radius: f64, y: f64| ring(radius, 0.0024, 0.0).z_to_y().at(0.0, y, 0.0);
     vec![
-        Model::new("arm_base", "accent", ring(0.0662, 0.0034, 0.0590)),
+        Model::new("arm_base", "accent", ring(0.0675, 0.0034, 0.0590)),
         Model::new("arm_1", "shell", shoulder.surface()),
         Model::new("arm_1", "metal", shoulder.cap()),
         Model::new("arm_2", "joint", drum(0.0650, [-0.0605, 0.0890], 0.0575, 0.1165)),

@@ -8,7 +8,7 @@ use super::surface::{Surface, V3, cross, sub, unit};
 const AROUND: usize = 30;
 
 /// Points around a lofted section.
-const SECTION: usize = 28;
+const SECTION: usize = 26;
 
 /// Steps of a rounded quarter turn; a small rounding is one step with the normals of an arc.
 const CORNER: f64 = 3.0;
@@ -72,9 +72,9 @@ pub(super) fn lathe_with(profile: &[Corner], around: usize) -> Surface {
     surface
 }
 
-/// A ring with a round section about z; its inner side, which the body hides, is left out.
+/// A ring with a round section about z; the part of its inner side that the body hides is left out.
 pub(super) fn ring(radius: f64, tube: f64, z: f64) -> Surface {
-    let profile: Vec<(f64, f64)> = (-2..=2).map(|i| (f64::from(i) * 0.9).sin_cos()).collect();
+    let profile: Vec<(f64, f64)> = (-2..=2).map(|i| (f64::from(i) * 1.15).sin_cos()).collect();
     let mut surface = Surface::default();
     for (sin, cos) in &profile {
         for j in 0..AROUND {
@@ -91,7 +91,7 @@ pub(super) fn ring(radius: f64, tube: f64, z: f64) -> Surface {
 /// A ball.
 pub(super) fn ball(radius: f64) -> Surface {
     let mut surface = Surface::default();
-    let rows = 12;
+    let rows = 11;
     for i in 0..=rows {
         let (z, r) = (PI * f64::from(i) / f64::from(rows) - FRAC_PI_2).sin_cos();
         for j in 0..AROUND {
