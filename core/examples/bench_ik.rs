@@ -18,7 +18,9 @@ const REPEATS: usize = 20;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [urdf, base, tip, work] = arguments.as_slice() else { return Err("usage: bench_ik URDF BASE TIP WORK.json".into()) };
+    let [urdf, base, tip, work] = arguments.as_slice() else {
+        return Err("usage: bench_ik URDF BASE TIP WORK.json".into());
+    };
     let robot = read_urdf(&std::fs::read_to_string(urdf)?, &|_| None)?.value;
     let link = |name: &str| robot.link_index(name).ok_or_else(|| format!("no link {name:?}"));
     let (base, tip) = (link(base)?, link(tip)?);

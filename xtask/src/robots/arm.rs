@@ -44,7 +44,8 @@ impl Fork {
             let half = mix(r, self.plate_r, s);
             sections.push(Section::between(z0 + t * body, [-half, half], [mix(-r, outer, s), r], mix(2.0, 2.4, s)));
         }
-        let plate = |z: f64, half: f64, y_in: f64, exponent: f64| Section::between(z, [-half, half], [outer, y_in], exponent);
+        let plate =
+            |z: f64, half: f64, y_in: f64, exponent: f64| Section::between(z, [-half, half], [outer, y_in], exponent);
         let round = 0.010;
         for (dz, t) in [(0.60, 0.08), (0.92, 0.30), (1.0, 0.62)] {
             sections.push(plate(deck - round * (1.0 - dz), self.plate_r, mix(r, inner, t), mix(2.4, 3.0, t)));
@@ -67,13 +68,19 @@ impl Fork {
         let r = 0.72 * self.plate_r;
         let y = -self.plate_y[1];
         lathe_with(
-            &[(r, -0.001, 0.0), (r, 0.0026, 0.0018), (0.80 * r, 0.0026, 0.001), (0.76 * r, 0.0012, 0.001), (0.0, 0.0012, 0.0)],
+            &[
+                (r, -0.001, 0.0),
+                (r, 0.0026, 0.0018),
+                (0.80 * r, 0.0026, 0.001),
+                (0.76 * r, 0.0012, 0.001),
+                (0.0, 0.0012, 0.0),
+            ],
             28,
         )
-            .at(0.0, 0.0, y)
-            .z_to_y()
-            .turned(PI)
-            .at(0.0, 0.0, self.joint_z)
+        .at(0.0, 0.0, y)
+        .z_to_y()
+        .turned(PI)
+        .at(0.0, 0.0, self.joint_z)
     }
 }
 
@@ -91,7 +98,12 @@ fn drum(r: f64, y: [f64; 2], neck_r: f64, neck_z: f64) -> Surface {
         (0.0, y[1] - 0.003, 0.0),
     ])
     .z_to_y();
-    let neck = lathe(&[(0.84 * neck_r, 0.36 * neck_z, 0.0), (neck_r, 0.72 * neck_z, 0.03), (neck_r, neck_z, 0.0), (0.8 * neck_r, neck_z, 0.0)]);
+    let neck = lathe(&[
+        (0.84 * neck_r, 0.36 * neck_z, 0.0),
+        (neck_r, 0.72 * neck_z, 0.03),
+        (neck_r, neck_z, 0.0),
+        (0.8 * neck_r, neck_z, 0.0),
+    ]);
     body.with(neck)
 }
 

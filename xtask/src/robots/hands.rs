@@ -47,11 +47,20 @@ fn palm() -> Surface {
 /// The round foot of a finger with two cheeks that hold its first axis.
 fn knuckle() -> Surface {
     let foot = lathe_with(
-        &[(0.0165, 0.0560, 0.0), (0.0215, 0.0740, 0.006), (0.0215, 0.0800, 0.003), (0.0150, 0.0835, 0.002), (0.0, 0.0835, 0.0)],
+        &[
+            (0.0165, 0.0560, 0.0),
+            (0.0215, 0.0740, 0.006),
+            (0.0215, 0.0800, 0.003),
+            (0.0150, 0.0835, 0.002),
+            (0.0, 0.0835, 0.0),
+        ],
         22,
     );
     let cheek = |y: f64| {
-        let pin = lathe_with(&[(0.0, -0.0024, 0.0), (0.0112, -0.0024, 0.001), (0.0112, 0.0024, 0.001), (0.0, 0.0024, 0.0)], 16);
+        let pin = lathe_with(
+            &[(0.0, -0.0024, 0.0), (0.0112, -0.0024, 0.001), (0.0112, 0.0024, 0.001), (0.0, 0.0024, 0.0)],
+            16,
+        );
         rounded_box([0.0200, 0.0044, 0.0140], 0.0018).at(0.0, y, 0.0830).with(pin.z_to_y().at(0.0, y, PROXIMAL_Z))
     };
     foot.with(cheek(0.0166)).with(cheek(-0.0166))
@@ -63,7 +72,8 @@ fn barrel(r: f64, half: f64) -> Surface {
 }
 
 fn phalanx(sections: &[(f64, f64, f64, f64)]) -> Surface {
-    let section = |&(z, back, front, half): &(f64, f64, f64, f64)| Section::between(z, [-back, front], [-half, half], 3.2);
+    let section =
+        |&(z, back, front, half): &(f64, f64, f64, f64)| Section::between(z, [-back, front], [-half, half], 3.2);
     loft(&sections.iter().map(section).collect::<Vec<_>>())
 }
 

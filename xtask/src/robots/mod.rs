@@ -36,7 +36,7 @@ fn models() -> Vec<Model> {
 }
 
 /// Writes all meshes below the repository's root.
-pub fn run(root: &Path) -> anyhow::Result<()> {
+pub(crate) fn run(root: &Path) -> anyhow::Result<()> {
     let folder = root.join("robots/meshes");
     std::fs::create_dir_all(&folder).with_context(|| format!("cannot create {}", folder.display()))?;
     let mut total = 0;
@@ -65,8 +65,10 @@ mod tests {
             let (mut against, mut area) = (0.0, 0.0);
             for face in &s.faces {
                 assert!(face.iter().all(|&i| i < s.points.len()));
-                let doubled = cross(sub(s.points[face[1]], s.points[face[0]]), sub(s.points[face[2]], s.points[face[0]]));
-                let n = face.iter().fold([0.0; 3], |sum: [f64; 3], &i| std::array::from_fn(|k| sum[k] + s.normals[i][k]));
+                let doubled =
+                    cross(sub(s.points[face[1]], s.points[face[0]]), sub(s.points[face[2]], s.points[face[0]]));
+                let n =
+                    face.iter().fold([0.0; 3], |sum: [f64; 3], &i| std::array::from_fn(|k| sum[k] + s.normals[i][k]));
                 let along: f64 = (0..3).map(|k| doubled[k] * n[k]).sum();
                 let size = doubled.iter().map(|x| x * x).sum::<f64>().sqrt();
                 area += size;
