@@ -26,9 +26,7 @@ pub enum RobotError {
     #[error("line {line}: {thing} names {kind} {name:?}, which does not exist")]
     UnknownName { line: u32, thing: String, kind: &'static str, name: String },
     /// A joint type that is not supported.
-    #[error(
-        "line {line}: joint {joint:?} has type {found:?}, wanted fixed, revolute, continuous or prismatic"
-    )]
+    #[error("line {line}: joint {joint:?} has type {found:?}, wanted fixed, revolute, continuous or prismatic")]
     UnknownJointType { line: u32, joint: String, found: String },
     /// A link that two joints move.
     #[error("line {line}: link {link:?} is moved by joint {second:?} and already by joint {first:?}")]

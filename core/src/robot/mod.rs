@@ -7,6 +7,8 @@ mod mesh_file;
 mod model;
 #[cfg(test)]
 pub(crate) mod samples;
+#[cfg(test)]
+mod shapes_test;
 mod srdf;
 mod tree;
 mod urdf;

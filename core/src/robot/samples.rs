@@ -12,10 +12,7 @@ fn load(urdf: &str, srdf: &str) -> Robot {
 
 /// Crichton: torso, two LWA4D arms, SDH hands.
 pub(crate) fn crichton() -> Robot {
-    load(
-        include_str!("../../../robots/crichton/crichton.urdf"),
-        include_str!("../../../robots/crichton/crichton.srdf"),
-    )
+    load(include_str!("../../../robots/crichton/crichton.urdf"), include_str!("../../../robots/crichton/crichton.srdf"))
 }
 
 /// Alita: two LWA3 arms, parallel grippers.

@@ -150,19 +150,23 @@ fn read_arm(robot: &Robot, groups: &Groups<'_, '_>, node: Node<'_, '_>) -> Resul
     let (Some(&first), Some(&last)) = (dofs.first(), dofs.last()) else {
         return Err(RobotError::EmptyArm { line, group: name.to_owned() });
     };
-    let (base_link, flange_link) = arm
-        .chain
-        .unwrap_or((robot.joints[robot.dof_joints[first]].parent, robot.joints[robot.dof_joints[last]].child));
-    Ok(Arm { name: name.to_owned(), dofs, base_link, flange_link, hand: read_hand(robot, name, hand_name, hand, line)? })
+    let (base_link, flange_link) =
+        arm.chain.unwrap_or((robot.joints[robot.dof_joints[first]].parent, robot.joints[robot.dof_joints[last]].child));
+    Ok(Arm {
+        name: name.to_owned(),
+        dofs,
+        base_link,
+        flange_link,
+        hand: read_hand(robot, name, hand_name, hand, line)?,
+    })
 }
 
 fn read_hand(robot: &Robot, arm: &str, name: &str, group: &Group, line: u32) -> Result<Hand, RobotError> {
     let wanted = format!("{arm}_tcp");
     let no_frame = || RobotError::NoHandFrame { line, group: name.to_owned(), wanted: wanted.clone() };
     let tcp_link = robot.link_index(&wanted).filter(|link| group.links.contains(link)).ok_or_else(no_frame)?;
-    let hangs_outside = |link: &usize| {
-        link.checked_sub(1).is_none_or(|joint| !group.links.contains(&robot.joints[joint].parent))
-    };
+    let hangs_outside =
+        |link: &usize| link.checked_sub(1).is_none_or(|joint| !group.links.contains(&robot.joints[joint].parent));
     let mut tops = group.links.iter().copied().filter(|link| hangs_outside(link));
     let palm_link = tops.next().ok_or_else(no_frame)?;
     if let Some(second) = tops.next() {
@@ -210,14 +214,20 @@ fn read_states(
                 return Err(RobotError::Missing { line, thing, wanted: format!("value for joint {:?}", joint.name) });
             };
             let Some(dof) = joint.dof else {
-                notes.push(format!("line {}: {thing} sets {:?}, which does not move", xml::line(joint_node), joint.name));
+                notes.push(format!(
+                    "line {}: {thing} sets {:?}, which does not move",
+                    xml::line(joint_node),
+                    joint.name
+                ));
                 continue;
             };
             let within = value.max(joint.limit.lower).min(joint.limit.upper);
             if within != value {
                 let line = xml::line(joint_node);
                 let name = &joint.name;
-                notes.push(format!("line {line}: {thing} puts {name:?} at {value}, outside its limits: {within} is used"));
+                notes.push(format!(
+                    "line {line}: {thing} puts {name:?} at {value}, outside its limits: {within} is used"
+                ));
             }
             values.push((dof, within));
         }

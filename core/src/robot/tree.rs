@@ -20,11 +20,15 @@ pub(super) struct JointDraft {
     pub(super) mimic: Option<(String, f64, f64)>,
 }
 
+/// What a mimic follows: draft of the moving joint, factor, offset.
+type Copied = (usize, f64, f64);
+
 type Tree = (Vec<Link>, Vec<Joint>, Vec<usize>);
 
 /// Orders links and joints. Joints keep the file's order wherever that already puts parents first.
 pub(super) fn order_tree(links: Vec<(Link, u32)>, drafts: Vec<JointDraft>) -> Result<Tree, RobotError> {
-    let index: BTreeMap<String, usize> = links.iter().enumerate().map(|(i, (link, _))| (link.name.clone(), i)).collect();
+    let index: BTreeMap<String, usize> =
+        links.iter().enumerate().map(|(i, (link, _))| (link.name.clone(), i)).collect();
     let find = |draft: &JointDraft, name: &str| {
         index.get(name).copied().ok_or_else(|| RobotError::UnknownName {
             line: draft.line,
@@ -150,7 +154,7 @@ fn refuse_loops(
 }
 
 /// For every mimic joint: the moving joint at the end of its chain, with the composed factor and offset.
-fn resolve_mimics(drafts: &[JointDraft]) -> Result<Vec<Option<(usize, f64, f64)>>, RobotError> {
+fn resolve_mimics(drafts: &[JointDraft]) -> Result<Vec<Option<Copied>>, RobotError> {
     let by_name: BTreeMap<&str, usize> = drafts.iter().enumerate().map(|(i, d)| (d.name.as_str(), i)).collect();
     let mut resolved = Vec::with_capacity(drafts.len());
     for draft in drafts {

@@ -13,7 +13,7 @@ use roxmltree::Node;
 use super::mesh_file::read_mesh;
 use super::tree::{JointDraft, order_tree};
 use super::{
-    CollisionBody, Geometry, JointKind, JointLimit, Link, Material, RobotError, Robot, Visual, error::MAX_LINKS, xml,
+    CollisionBody, Geometry, JointKind, JointLimit, Link, Material, Robot, RobotError, Visual, error::MAX_LINKS, xml,
 };
 use crate::loaded::Loaded;
 use crate::mesh::Mesh;
@@ -259,7 +259,11 @@ fn limit(joint: Node<'_, '_>, name: &str, kind: JointKind, continuous: bool) -> 
         if kind == JointKind::Fixed || continuous {
             return Ok(whole_turn);
         }
-        return Err(RobotError::Missing { line: xml::line(joint), thing, wanted: "<limit lower upper velocity>".into() });
+        return Err(RobotError::Missing {
+            line: xml::line(joint),
+            thing,
+            wanted: "<limit lower upper velocity>".into(),
+        });
     };
     // URDF: absent bounds are 0, an absent speed is unlimited, which a planner cannot use.
     let (lower, upper) = if continuous {
@@ -291,7 +295,9 @@ mod tests {
     const LIMIT: &str = "<limit lower='-1' upper='1' velocity='2'/>";
 
     fn hinge(name: &str, parent: &str, child: &str, inside: &str) -> String {
-        format!("<joint name='{name}' type='revolute'><parent link='{parent}'/><child link='{child}'/>{inside}</joint>\n")
+        format!(
+            "<joint name='{name}' type='revolute'><parent link='{parent}'/><child link='{child}'/>{inside}</joint>\n"
+        )
     }
 
     fn links(names: &str) -> String {
@@ -329,7 +335,10 @@ mod tests {
         let cases = [
             (links("a b"), "line 3: link \"b\" has no parent, but \"a\" is the root already"),
             (links("a a"), "line 3: link \"a\" is defined a second time (first on line 2)"),
-            (chain.clone() + &hinge("j", "x", "b", LIMIT), "line 4: joint \"j\" names link \"x\", which does not exist"),
+            (
+                chain.clone() + &hinge("j", "x", "b", LIMIT),
+                "line 4: joint \"j\" names link \"x\", which does not exist",
+            ),
             (
                 chain.clone() + &hinge("j", "a", "b", "<limit lower='2' upper='1' velocity='1'/>"),
                 "line 4: joint \"j\": lower limit 2 is above upper limit 1",

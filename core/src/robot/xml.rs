@@ -35,7 +35,11 @@ pub(super) fn child<'a, 'd>(node: Node<'a, 'd>, name: &'static str) -> Option<No
 pub(super) fn text<'a>(node: Node<'a, '_>, attribute: &str, thing: &str) -> Result<&'a str, RobotError> {
     match node.attribute(attribute) {
         Some(value) if !value.trim().is_empty() => Ok(value.trim()),
-        _ => Err(RobotError::Missing { line: line(node), thing: thing.to_owned(), wanted: format!("{attribute}=\"…\"") }),
+        _ => {
+            Err(RobotError::Missing {
+                line: line(node), thing: thing.to_owned(), wanted: format!("{attribute}=\"…\"")
+            })
+        }
     }
 }
 
@@ -50,12 +54,17 @@ pub(super) fn numbers<const N: usize>(
         found.split_whitespace().map(|word| word.parse().ok().filter(|value: &f64| value.is_finite())).collect();
     match parsed.and_then(|values| <[f64; N]>::try_from(values).ok()) {
         Some(values) => Ok(Some(values)),
-        None => Err(bad(node, attribute, thing, match N {
-            1 => "one finite number",
-            3 => "three finite numbers",
-            4 => "four finite numbers",
-            _ => "finite numbers",
-        })),
+        None => Err(bad(
+            node,
+            attribute,
+            thing,
+            match N {
+                1 => "one finite number",
+                3 => "three finite numbers",
+                4 => "four finite numbers",
+                _ => "finite numbers",
+            },
+        )),
     }
 }
 

@@ -54,8 +54,7 @@ impl Ball {
         let sine = (x * x + y * y).sqrt();
         let bend = math::atan2(sine, along);
         let aligned = sine < ALIGNED;
-        let (q1, cos1, sin1) =
-            if aligned { (0.0, 1.0, 0.0) } else { (math::atan2(y, x), x / sine, y / sine) };
+        let (q1, cos1, sin1) = if aligned { (0.0, 1.0, 0.0) } else { (math::atan2(y, x), x / sine, y / sine) };
         // exp(a1 q1) a2 is where the second joint's axis stands; the third joint turns it to rotation · a2.
         let axis2 = self.a2 * cos1 - self.e1 * sin1;
         let q3 = self.last_angle(rotation, &axis2);

@@ -105,9 +105,14 @@ impl SrsArm {
         meets("1, 2 and 3", &S, &[0, 1, 2])?;
         meets("5, 6 and 7", &W, &[4, 5, 6])?;
         meets("3, 4 and 5", &E, &[2, 3, 4])?;
-        for (joints, a, b) in
-            [("1 and 2", 0, 1), ("2 and 3", 1, 2), ("3 and 4", 2, 3), ("4 and 5", 3, 4), ("5 and 6", 4, 5), ("6 and 7", 5, 6)]
-        {
+        for (joints, a, b) in [
+            ("1 and 2", 0, 1),
+            ("2 and 3", 1, 2),
+            ("3 and 4", 2, 3),
+            ("4 and 5", 3, 4),
+            ("5 and 6", 4, 5),
+            ("6 and 7", 5, 6),
+        ] {
             let off_rad = axes[a].dot(&axes[b]).abs();
             if off_rad > TOLERANCE {
                 return Err(NotSrs::NotPerpendicular { joints, off_rad });

@@ -101,8 +101,10 @@ impl SrsArm {
         let d = v_SW.norm();
         let longest = self.upper_m + self.fore_m;
         let shortest = (self.upper_m - self.fore_m).abs();
-        if !(d <= longest + REACH_SLACK) {
-            return Err(IkReject::OutOfReach { gap_m: d - longest });
+        // A pose that is not finite is farther away than anything.
+        let gap_m = if d.is_finite() { d - longest } else { f64::INFINITY };
+        if gap_m > REACH_SLACK {
+            return Err(IkReject::OutOfReach { gap_m });
         }
         if d < (shortest - REACH_SLACK).max(1e-6) {
             return Err(IkReject::TooClose { gap_m: shortest.max(1e-6) - d });

@@ -149,6 +149,15 @@ fn a_pose_too_far_or_too_near_is_refused_with_its_gap() {
 }
 
 #[test]
+fn a_pose_that_is_not_finite_is_out_of_reach() {
+    let case = cases().swap_remove(0);
+    for x in [f64::NAN, f64::INFINITY] {
+        let set = case.arm.sweep(&Isometry3::translation(x, 0.0, 0.0), 4);
+        assert_eq!(set.rejected, [IkReject::OutOfReach { gap_m: f64::INFINITY }]);
+    }
+}
+
+#[test]
 fn rejected_branches_name_the_joint_that_would_leave_its_limits() {
     let case = cases().swap_remove(0);
     let (upper, fore) = case.arm.lengths_m();
@@ -172,14 +181,13 @@ fn rejected_branches_name_the_joint_that_would_leave_its_limits() {
 fn one_arm(roll_limit: f64, elbow_offset: f64) -> Robot {
     let mut urdf = String::from("<robot name='one'><link name='l0'/>");
     let z = [0.0, 0.25, 0.0, 0.3, 0.0, 0.2, 0.0];
-    for i in 0..7 {
+    for (i, z) in z.iter().enumerate() {
         let (axis, limit) = if i % 2 == 0 { ("0 0 1", roll_limit) } else { ("0 1 0", 2.0) };
         let x = if i == 3 { elbow_offset } else { 0.0 };
         urdf += &format!(
             "<link name='l{n}'/><joint name='j{n}' type='revolute'><parent link='l{i}'/><child link='l{n}'/>\
              <origin xyz='{x} 0 {z}'/><axis xyz='{axis}'/><limit lower='-{limit}' upper='{limit}' velocity='1'/></joint>",
             n = i + 1,
-            z = z[i],
         );
     }
     read_urdf(&(urdf + "</robot>"), &|_| None).unwrap().value
@@ -235,12 +243,13 @@ proptest! {
     #[test]
     fn any_pose_is_answered(seed in any::<u64>(), scale in 0.0..2.0f64, angle in -10.0..10.0f64) {
         thread_local!(static CASE: Case = cases().swap_remove(0));
-        CASE.with(|case| {
+        let answered = CASE.with(|case| {
             let mut rng = Rng::new(seed, 0);
             let X_BH = Isometry3::from_parts((rng.direction() * scale).into(), rng.rotation());
             let set = case.arm.solve(&X_BH, angle);
             case.check(&X_BH, &set, &[0.0; 7], 0.0);
-            prop_assert!(!set.solutions.is_empty() || !set.rejected.is_empty());
+            !set.solutions.is_empty() || !set.rejected.is_empty()
         });
+        prop_assert!(answered);
     }
 }
