@@ -102,8 +102,8 @@ impl BoundsCache {
 }
 
 /// Whether a pose has only finite numbers.
-pub(super) fn is_finite(X: &Isometry3<f64>) -> bool {
-    X.translation.vector.iter().chain(X.rotation.coords.iter()).all(|v| v.is_finite())
+pub(super) fn is_finite(pose: &Isometry3<f64>) -> bool {
+    pose.translation.vector.iter().chain(pose.rotation.coords.iter()).all(|v| v.is_finite())
 }
 
 #[cfg(test)]

@@ -18,6 +18,7 @@ pub struct Frame {
 
 /// One instance of a mesh. Meshes are uploaded once per `Arc`, so keep and share them.
 #[derive(Clone)]
+#[expect(non_snake_case, reason = "frame letters")]
 pub struct MeshDraw {
     /// Geometry in its own frame M.
     pub mesh: Arc<Mesh>,

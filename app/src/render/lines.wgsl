@@ -34,9 +34,9 @@ fn vs_line(@builtin(vertex_index) index: u32, segment: Segment) -> Stroke {
     } else if before_b <= 0.0 {
         b = mix(b, a, before_b / (before_b - before_a) + 1e-4);
     }
-    let from = a.xyz / a.w;
-    let to = b.xyz / b.w;
-    let way = (to.xy - from.xy) * globals.size.xy * 0.5;
+    let head = a.xyz / a.w;
+    let tail = b.xyz / b.w;
+    let way = (tail.xy - head.xy) * globals.size.xy * 0.5;
     let length_px = length(way);
     let direction = select(vec2<f32>(1.0, 0.0), way / max(length_px, 1e-6), length_px > 1e-6);
     let reach = segment.style.x + 1.0;
@@ -45,7 +45,7 @@ fn vs_line(@builtin(vertex_index) index: u32, segment: Segment) -> Stroke {
     let along = mix(-reach, length_px + reach, at_end);
     let across = side * reach;
     let offset = direction * (along - length_px * at_end) + vec2<f32>(-direction.y, direction.x) * across;
-    let end = mix(from, to, at_end);
+    let end = mix(head, tail, at_end);
     // w = 1: everything below is even on the picture.
     let z = end.z * globals.depth.z + globals.depth.w;
     out.position = vec4<f32>(end.xy + offset * 2.0 * globals.size.zw, min(z, 1.0), 1.0);
