@@ -1,12 +1,12 @@
 //! The background and the floor: a radial gradient, a fading grid, and the shadow that falls on z = 0.
 
-use super::gpu::{Color, Recipe, SAMPLES, shader};
+use super::gpu::{Color, Recipe, Sampled, shader};
 
 /// Pipelines of background and floor.
 pub(super) struct Floor {
-    background: wgpu::RenderPipeline,
+    background: Sampled,
     surface: wgpu::RenderPipeline,
-    visible: wgpu::RenderPipeline,
+    visible: Sampled,
 }
 
 impl Floor {
@@ -31,7 +31,6 @@ impl Floor {
             layouts: &[globals, light],
             color: Color::Mix,
             depth: Some((wgpu::CompareFunction::Greater, false)),
-            samples: SAMPLES,
             ..surface
         };
         let background = Recipe {
@@ -43,12 +42,16 @@ impl Floor {
             topology: wgpu::PrimitiveTopology::TriangleList,
             ..visible
         };
-        Self { background: background.make(device), surface: surface.make(device), visible: visible.make(device) }
+        Self {
+            background: background.make_sampled(device),
+            surface: surface.make(device),
+            visible: visible.make_sampled(device),
+        }
     }
 
     /// Fills the picture.
-    pub(super) fn draw_background(&self, pass: &mut wgpu::RenderPass<'_>) {
-        pass.set_pipeline(&self.background);
+    pub(super) fn draw_background(&self, pass: &mut wgpu::RenderPass<'_>, smooth: bool) {
+        pass.set_pipeline(self.background.get(smooth));
         pass.draw(0..3, 0..1);
     }
 
@@ -59,8 +62,8 @@ impl Floor {
     }
 
     /// Draws shadow and grid over what is there.
-    pub(super) fn draw_visible(&self, pass: &mut wgpu::RenderPass<'_>) {
-        pass.set_pipeline(&self.visible);
+    pub(super) fn draw_visible(&self, pass: &mut wgpu::RenderPass<'_>, smooth: bool) {
+        pass.set_pipeline(self.visible.get(smooth));
         pass.draw(0..4, 0..1);
     }
 }

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Matrix4, Point3, Vector3};
 
-use super::{Projection, View, lighting::Light, theme::Look};
+use super::{Projection, Quality, View, lighting::Light, theme::Look};
 
 /// The uniform block; see `globals.wgsl` for what each value means.
 #[repr(C)]
@@ -30,6 +30,7 @@ pub(super) struct Globals {
     srgb_background_edge: [f32; 4],
     srgb_grid: [f32; 4],
     floor: [f32; 4],
+    taps: [f32; 4],
     options: [f32; 4],
 }
 
@@ -51,7 +52,7 @@ impl Globals {
         scene_center: &Point3<f64>,
         extent: &Extent,
         size: [u32; 2],
-        mask_size: Option<[u32; 2]>,
+        mask: Option<([u32; 2], Quality)>,
     ) -> Self {
         let camera = &view.camera;
         let size = size.map(|side| f64::from(side.max(1)));
@@ -60,7 +61,8 @@ impl Globals {
         let half_height = camera.half_height();
         let half_width = half_height * size[0] / size[1];
         let perspective = camera.projection == Projection::Perspective;
-        let mask = mask_size.unwrap_or([1, 1]).map(f64::from);
+        let mask_px = mask.map_or([1, 1], |(size, _)| size).map(f64::from);
+        let [blockers, shadow, occlusion] = mask.map_or([0.0; 3], |(_, quality)| quality.taps());
         // The floor around the bodies takes shadow too.
         let nearest = (extent.depths_m[0] - 0.05).max(camera.near_m());
         let farthest = (extent.depths_m[1] + 1.0 + 0.3 * extent.radius_m).max(nearest + 1.0);
@@ -76,14 +78,14 @@ impl Globals {
             up: axis(&camera.up(), half_height),
             forward: axis(&-camera.backward(), f64::from(view.pixels_per_point)),
             size: [size[0], size[1], 1.0 / size[0], 1.0 / size[1]].map(|v| v as f32),
-            mask_size: [mask[0], mask[1], mask[0] / size[0], mask[1] / size[1]].map(|v| v as f32),
+            mask_size: [mask_px[0], mask_px[1], mask_px[0] / size[0], mask_px[1] / size[1]].map(|v| v as f32),
             depth: [nearest as f32, (farthest - nearest) as f32, lift[0], lift[1]],
             light_x: axis(&light.axes[0], light.offset_m[0]),
             light_y: axis(&light.axes[1], light.offset_m[1]),
             light_z: axis(&light.axes[2], light.offset_m[2]),
             light_size: [light.extent_m[0], light.extent_m[1], light.extent_m[2], f64::from(light.side_px)]
                 .map(|v| v as f32),
-            key: with(look.key, 0.045),
+            key: with(look.key, 0.075),
             fill_direction: axis(&light.fill_direction, 0.0),
             fill: with(look.fill, 0.0),
             sky: with(look.sky, 0.0),
@@ -97,11 +99,12 @@ impl Globals {
                 -scene_center.z as f32,
                 floor_radius as f32,
             ],
+            taps: [blockers, shadow, occlusion, 0.0],
             options: [
                 f32::from(u8::from(view.transparent)),
                 look.floor_shadow,
                 (extent.radius_m * 0.075).max(0.02).min(0.12) as f32,
-                f32::from(u8::from(mask_size.is_some())),
+                f32::from(u8::from(mask.is_some())),
             ],
         }
     }
@@ -121,7 +124,7 @@ mod tests {
 
     #[test]
     fn the_block_has_the_size_that_the_shader_expects() {
-        // A matrix and 21 vectors, all aligned to 16 bytes.
-        assert_eq!(size_of::<Globals>(), 64 + 21 * 16);
+        // A matrix and 22 vectors, all aligned to 16 bytes.
+        assert_eq!(size_of::<Globals>(), 64 + 22 * 16);
     }
 }

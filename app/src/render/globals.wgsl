@@ -23,6 +23,7 @@ struct Globals {
     srgb_background_edge: vec4<f32>,
     srgb_grid: vec4<f32>,    // w: opacity, 0 without a grid
     floor: vec4<f32>,        // centre x, y, height, radius at which the floor has faded
+    taps: vec4<f32>,         // of blockers, shadow and occlusion
     options: vec4<f32>,      // 1 if transparent; opacity of shadow on the floor; occlusion radius in metres; 1 if masked
 }
 

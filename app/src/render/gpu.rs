@@ -4,7 +4,7 @@
 pub(super) const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// Depth of our pictures.
 pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
-/// Samples per pixel of the picture itself; every wgpu device can do four.
+/// Samples per pixel of a smooth picture; every wgpu device can do four.
 pub(super) const SAMPLES: u32 = 4;
 
 /// A buffer that is written anew for every picture and grows when needed.
@@ -111,6 +111,7 @@ pub(super) fn bind_textures(
 }
 
 /// What differs between our pipelines.
+#[derive(Clone, Copy)]
 pub(super) struct Recipe<'a> {
     pub(super) label: &'a str,
     pub(super) shader: &'a wgpu::ShaderModule,
@@ -134,7 +135,25 @@ pub(super) enum Color {
     Nothing,
 }
 
+/// One pipeline for smooth pictures (four samples per pixel) and one for drafts.
+pub(super) struct Sampled {
+    smooth: wgpu::RenderPipeline,
+    draft: wgpu::RenderPipeline,
+}
+
+impl Sampled {
+    pub(super) fn get(&self, smooth: bool) -> &wgpu::RenderPipeline {
+        if smooth { &self.smooth } else { &self.draft }
+    }
+}
+
 impl Recipe<'_> {
+    /// The pipeline for smooth pictures and the one for drafts.
+    pub(super) fn make_sampled(self, device: &wgpu::Device) -> Sampled {
+        let draft = Recipe { samples: 1, ..self }.make(device);
+        Sampled { smooth: Recipe { samples: SAMPLES, ..self }.make(device), draft }
+    }
+
     pub(super) fn make(&self, device: &wgpu::Device) -> wgpu::RenderPipeline {
         let bind_group_layouts: Vec<_> = self.layouts.iter().map(|layout| Some(*layout)).collect();
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {

@@ -4,11 +4,8 @@
 @group(1) @binding(0) var first: texture_2d<f32>;  // depths and normals; for smoothing, the rough mask
 @group(1) @binding(1) var second: texture_2d<f32>; // shadow map
 
-const BLOCKER_TAPS: i32 = 8;
-const SHADOW_TAPS: i32 = 12;
-const OCCLUSION_TAPS: i32 = 10;
 // Widest half-shadow in metres: beyond it, more blur would need more taps.
-const WIDEST_M: f32 = 0.05;
+const WIDEST_M: f32 = 0.06;
 
 @vertex
 fn vs_screen(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
@@ -54,10 +51,11 @@ fn key_light(world: vec3<f32>, normal: vec3<f32>, turn: f32) -> f32 {
     let slope = clamp(across / max(toward, 0.05), vec2<f32>(-4.0), vec2<f32>(4.0));
     let bias = texel_m * (0.7 + 0.7 * (abs(slope.x) + abs(slope.y)));
 
+    let blocker_taps = i32(globals.taps.x);
     var sum = 0.0;
     var count = 0.0;
-    for (var i = 0; i < BLOCKER_TAPS; i++) {
-        let offset = disc(i, BLOCKER_TAPS, turn) * WIDEST_M;
+    for (var i = 0; i < blocker_taps; i++) {
+        let offset = disc(i, blocker_taps, turn) * WIDEST_M;
         let blocker = blocker_depth(here.xy + offset);
         if blocker < here.z + dot(slope, offset) - bias - 0.004 {
             sum += blocker;
@@ -68,13 +66,14 @@ fn key_light(world: vec3<f32>, normal: vec3<f32>, turn: f32) -> f32 {
     if count > 0.0 {
         width = clamp((here.z - sum / count) * globals.key.w, texel_m * 2.0, WIDEST_M);
     }
+    let shadow_taps = i32(globals.taps.y);
     var lit = 0.0;
-    for (var i = 0; i < SHADOW_TAPS; i++) {
-        let offset = disc(i, SHADOW_TAPS, turn + 1.0) * width;
+    for (var i = 0; i < shadow_taps; i++) {
+        let offset = disc(i, shadow_taps, turn + 1.0) * width;
         let blocker = blocker_depth(here.xy + offset);
         lit += select(0.0, 1.0, blocker >= here.z + dot(slope, offset) - bias);
     }
-    return lit / f32(SHADOW_TAPS);
+    return lit / globals.taps.y;
 }
 
 // Scalable ambient obscurance (McGuire, Mara and Luebke 2012).
@@ -83,15 +82,16 @@ fn occlusion(pixel: vec2<f32>, world: vec3<f32>, normal: vec3<f32>, depth: f32, 
     let half_height = half_height_at(depth);
     let radius_px = clamp(radius * globals.mask_size.y * 0.5 / half_height, 2.0, 0.15 * globals.mask_size.y);
     let least = 0.004 * half_height;
+    let taps = i32(globals.taps.z);
     var sum = 0.0;
-    for (var i = 0; i < OCCLUSION_TAPS; i++) {
-        let at = vec2<i32>(floor(pixel + disc(i, OCCLUSION_TAPS, turn) * radius_px));
+    for (var i = 0; i < taps; i++) {
+        let at = vec2<i32>(floor(pixel + disc(i, taps, turn) * radius_px));
         let toward = world_at(vec2<f32>(at) + 0.5, depth_at(at)) - world;
         let squared = dot(toward, toward);
         let falloff = max(1.0 - squared / (radius * radius), 0.0);
         sum += falloff * falloff * falloff * max(dot(toward, normal) - least, 0.0) / (squared + 1e-5) * radius;
     }
-    return clamp(1.0 - 1.35 * sum / f32(OCCLUSION_TAPS), 0.0, 1.0);
+    return clamp(1.0 - 2.2 * sum / globals.taps.z, 0.0, 1.0);
 }
 
 @fragment

@@ -5,7 +5,7 @@ use nalgebra::Point3;
 
 use super::{
     Camera, Frame,
-    gpu::{Color, Recipe, SAMPLES, Stream, shader},
+    gpu::{Color, Recipe, Sampled, Stream, shader},
 };
 
 /// One segment relative to the scene centre; see `Segment` in `lines.wgsl`.
@@ -54,7 +54,7 @@ fn segments(
 pub(super) struct Lines {
     segments: Stream,
     count: u32,
-    pipeline: wgpu::RenderPipeline,
+    pipeline: Sampled,
 }
 
 impl Lines {
@@ -75,9 +75,9 @@ impl Lines {
             topology: wgpu::PrimitiveTopology::TriangleStrip,
             color: Color::Mix,
             depth: Some((wgpu::CompareFunction::Greater, false)),
-            samples: SAMPLES,
+            samples: 1,
         }
-        .make(device);
+        .make_sampled(device);
         Self { segments: Stream::new("lines", wgpu::BufferUsages::VERTEX), count: 0, pipeline }
     }
 
@@ -98,9 +98,9 @@ impl Lines {
     }
 
     /// Draws them.
-    pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+    pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, smooth: bool) {
         if let Some(segments) = self.segments.buffer().filter(|_| self.count > 0) {
-            pass.set_pipeline(&self.pipeline);
+            pass.set_pipeline(self.pipeline.get(smooth));
             pass.set_vertex_buffer(0, segments.slice(..));
             pass.draw(0..4, 0..self.count);
         }

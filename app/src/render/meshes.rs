@@ -12,7 +12,7 @@ use nalgebra::{Point3, Unit, Vector3};
 use super::{
     BoundsCache, Camera, Frame, MeshDraw, Surface,
     bounds::is_finite,
-    gpu::{Color, Recipe, SAMPLES, Stream, fixed_buffer, shader},
+    gpu::{Color, Recipe, Sampled, Stream, fixed_buffer, shader},
 };
 
 /// Opacity from which a body is drawn as opaque.
@@ -49,11 +49,7 @@ impl Instance {
         };
         let lit = f32::from(u8::from(is_lit(draw.surface)));
         let masked = f32::from(u8::from(is_solid(draw)));
-        Self {
-            rows: [row(0), row(1), row(2)],
-            srgb: draw.color,
-            surface: [roughness, reflectance, lit, masked],
-        }
+        Self { rows: [row(0), row(1), row(2)], srgb: draw.color, surface: [roughness, reflectance, lit, masked] }
     }
 }
 
@@ -241,10 +237,10 @@ pub(super) struct Meshes {
     instances: Stream,
     shadow: wgpu::RenderPipeline,
     surface: wgpu::RenderPipeline,
-    opaque: wgpu::RenderPipeline,
-    mixed: wgpu::RenderPipeline,
-    ghost_depth: wgpu::RenderPipeline,
-    ghost: wgpu::RenderPipeline,
+    opaque: Sampled,
+    mixed: Sampled,
+    ghost_depth: Sampled,
+    ghost: Sampled,
 }
 
 impl Meshes {
@@ -284,34 +280,21 @@ impl Meshes {
             depth: Some((Greater, true)),
             samples: 1,
         };
-        let shadow = Recipe {
-            label: "shadow",
-            vertex: "vs_shadow",
-            fragment: "fs_shadow",
-            depth: Some((Less, true)),
-            ..small
-        };
-        let opaque = Recipe {
-            label: "bodies",
-            fragment: "fs_body",
-            layouts: &[globals, light],
-            samples: SAMPLES,
-            ..small
-        };
+        let shadow =
+            Recipe { label: "shadow", vertex: "vs_shadow", fragment: "fs_shadow", depth: Some((Less, true)), ..small };
+        let opaque = Recipe { label: "bodies", fragment: "fs_body", layouts: &[globals, light], ..small };
         let mixed = Recipe { label: "clear bodies", color: Color::Mix, depth: Some((Greater, false)), ..opaque };
-        let ghost_depth =
-            Recipe { label: "ghost depth", fragment: "fs_ghost_depth", color: Color::Nothing, ..opaque };
-        let ghost =
-            Recipe { label: "ghost", fragment: "fs_ghost", depth: Some((GreaterEqual, false)), ..mixed };
+        let ghost_depth = Recipe { label: "ghost depth", fragment: "fs_ghost_depth", color: Color::Nothing, ..opaque };
+        let ghost = Recipe { label: "ghost", fragment: "fs_ghost", depth: Some((GreaterEqual, false)), ..mixed };
         Self {
             uploaded: BTreeMap::new(),
             instances: Stream::new("instances", wgpu::BufferUsages::VERTEX),
             shadow: shadow.make(device),
             surface: small.make(device),
-            opaque: opaque.make(device),
-            mixed: mixed.make(device),
-            ghost_depth: ghost_depth.make(device),
-            ghost: ghost.make(device),
+            opaque: opaque.make_sampled(device),
+            mixed: mixed.make_sampled(device),
+            ghost_depth: ghost_depth.make_sampled(device),
+            ghost: ghost.make_sampled(device),
         }
     }
 
@@ -338,23 +321,23 @@ impl Meshes {
     }
 
     /// Draws opaque bodies.
-    pub(super) fn draw_opaque(&self, pass: &mut wgpu::RenderPass<'_>, batches: &[Batch]) {
-        pass.set_pipeline(&self.opaque);
+    pub(super) fn draw_opaque(&self, pass: &mut wgpu::RenderPass<'_>, smooth: bool, batches: &[Batch]) {
+        pass.set_pipeline(self.opaque.get(smooth));
         self.draw(pass, batches);
     }
 
     /// Draws see-through bodies.
-    pub(super) fn draw_clear(&self, pass: &mut wgpu::RenderPass<'_>, runs: &[Clear]) {
+    pub(super) fn draw_clear(&self, pass: &mut wgpu::RenderPass<'_>, smooth: bool, runs: &[Clear]) {
         for run in runs {
             match run {
                 Clear::Plain(batch) => {
-                    pass.set_pipeline(&self.mixed);
+                    pass.set_pipeline(self.mixed.get(smooth));
                     self.draw(pass, std::slice::from_ref(batch));
                 }
                 Clear::Ghost(batches) => {
-                    pass.set_pipeline(&self.ghost_depth);
+                    pass.set_pipeline(self.ghost_depth.get(smooth));
                     self.draw(pass, batches);
-                    pass.set_pipeline(&self.ghost);
+                    pass.set_pipeline(self.ghost.get(smooth));
                     self.draw(pass, batches);
                 }
             }

@@ -16,7 +16,7 @@ struct Fragment {
     @builtin(position) position: vec4<f32>,
     @location(0) world: vec3<f32>,
     @location(1) normal: vec3<f32>,
-    @location(2) @interpolate(flat, either) srgb: vec4<f32>,
+    @location(2) @interpolate(flat, either) color: vec4<f32>,
     @location(3) @interpolate(flat, either) surface: vec4<f32>,
 }
 
@@ -33,7 +33,9 @@ fn vs_body(vertex: Vertex) -> Fragment {
     out.position = globals.clip_from_world * vec4<f32>(world, 1.0);
     out.world = world;
     out.normal = vec3<f32>(dot(vertex.row_x.xyz, n), dot(vertex.row_y.xyz, n), dot(vertex.row_z.xyz, n));
-    out.srgb = vertex.srgb;
+    // Linear where it takes light, sRGB where it is shown as it is.
+    let rgb = select(vertex.srgb.rgb, linear_from_srgb(vertex.srgb.rgb), vertex.surface.z > 0.5);
+    out.color = vec4<f32>(rgb, vertex.srgb.a);
     out.surface = vertex.surface;
     return out;
 }

@@ -74,7 +74,13 @@ impl Picker {
         }
         let (distance_m, normal) = best?;
         let normal = Unit::try_new(draw.X_WM * normal, 0.0)?.into_inner();
-        Some(Hit { pick_id: draw.pick_id, draw_idx, point: ray.origin + *ray.direction * distance_m, normal, distance_m })
+        Some(Hit {
+            pick_id: draw.pick_id,
+            draw_idx,
+            point: ray.origin + *ray.direction * distance_m,
+            normal,
+            distance_m,
+        })
     }
 }
 

@@ -10,7 +10,7 @@ use nalgebra::Point3;
 
 use super::{
     Camera, Frame, PointsDraw,
-    gpu::{Color, Recipe, SAMPLES, Stream, fixed_buffer, shader},
+    gpu::{Color, Recipe, Sampled, Stream, fixed_buffer, shader},
 };
 
 /// Least diameter on the picture, in logical pixels.
@@ -96,8 +96,8 @@ pub(super) struct Points {
     layout: wgpu::BindGroupLayout,
     blocks: Stream,
     bind_group: Option<wgpu::BindGroup>,
-    solid: wgpu::RenderPipeline,
-    mixed: wgpu::RenderPipeline,
+    solid: Sampled,
+    mixed: Sampled,
 }
 
 impl Points {
@@ -131,7 +131,7 @@ impl Points {
             topology: wgpu::PrimitiveTopology::TriangleStrip,
             color: Color::Replace,
             depth: Some((wgpu::CompareFunction::Greater, true)),
-            samples: SAMPLES,
+            samples: 1,
         };
         let mixed = Recipe {
             label: "clear points",
@@ -139,7 +139,7 @@ impl Points {
             depth: Some((wgpu::CompareFunction::Greater, false)),
             ..solid
         };
-        let (solid, mixed) = (solid.make(device), mixed.make(device));
+        let (solid, mixed) = (solid.make_sampled(device), mixed.make_sampled(device));
         let blocks = Stream::new("clouds", wgpu::BufferUsages::UNIFORM);
         Self { uploaded: BTreeMap::new(), planned: Vec::new(), layout, blocks, bind_group: None, solid, mixed }
     }
@@ -198,12 +198,12 @@ impl Points {
     }
 
     /// Draws the clouds: opaque ones first.
-    pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+    pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, smooth: bool) {
         for (opaque, pipeline) in [(true, &self.solid), (false, &self.mixed)] {
             for (key, block, corners) in &self.planned {
                 let Some(Some(cloud)) = self.uploaded.get(key) else { continue };
                 if cloud.opaque == opaque {
-                    pass.set_pipeline(pipeline);
+                    pass.set_pipeline(pipeline.get(smooth));
                     pass.set_bind_group(1, &self.bind_group, &[*block]);
                     pass.set_vertex_buffer(0, cloud.splats.slice(..));
                     pass.draw(0..*corners, 0..cloud.count);

@@ -13,21 +13,23 @@ use super::{
     points::Points,
 };
 
-/// How finely shadow and occlusion are computed. Edges, colours and shapes are the same in all.
+/// How finely a picture is drawn. Places and colours are the same in all.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Quality {
-    /// At a quarter of the picture's side: while something moves on a machine without a GPU.
+    /// One sample per pixel, shadow and occlusion at a quarter of the picture's side: while something moves on a
+    /// machine without a GPU, where it takes less than half of the time.
     Draft,
-    /// At half of the picture's side: for the window and the page.
+    /// Four samples per pixel, shadow and occlusion at half of the picture's side: for the window and the page.
     #[default]
     Live,
-    /// At the picture's size: for figures.
+    /// Four samples per pixel, shadow and occlusion at the picture's size: for figures.
     Figure,
 }
 
 impl Quality {
-    /// What an adapter can draw smoothly: a software one drafts.
-    pub fn for_adapter(info: &wgpu::AdapterInfo) -> Self {
+    /// What an adapter can draw while something moves: a software one drafts. At rest, draw once more as
+    /// [`Quality::Live`].
+    pub fn while_moving(info: &wgpu::AdapterInfo) -> Self {
         if info.device_type == wgpu::DeviceType::Cpu { Self::Draft } else { Self::Live }
     }
 
@@ -36,6 +38,15 @@ impl Quality {
             Self::Draft => 0.25,
             Self::Live => 0.5,
             Self::Figure => 1.0,
+        }
+    }
+
+    /// Samples of blockers, shadow and occlusion per mask pixel. A finer mask is smoothed over fewer centimetres.
+    pub(super) fn taps(self) -> [f32; 3] {
+        match self {
+            Self::Draft => [6.0, 8.0, 6.0],
+            Self::Live => [8.0, 12.0, 10.0],
+            Self::Figure => [24.0, 40.0, 24.0],
         }
     }
 }
@@ -114,9 +125,10 @@ impl Renderer {
         self.bounds.drop_unused();
         let plan = Plan::new(frame, camera, &scene_center, &mut self.bounds);
         let (light, extent) = self.fit(frame, view, &scene_center);
-        let masks = target.masks(device, self.quality.mask_fraction());
-        let mask_size = Some(masks.size).filter(|_| !plan.solid.is_empty());
-        let globals = Globals::new(view, &view.theme.look(), &light, &scene_center, &extent, size_px, mask_size);
+        let smooth = self.quality != Quality::Draft;
+        let (color, drawn, masks) = target.parts(device, smooth, self.quality.mask_fraction());
+        let mask = Some((masks.size, self.quality)).filter(|_| !plan.solid.is_empty());
+        let globals = Globals::new(view, &view.theme.look(), &light, &scene_center, &extent, size_px, mask);
         let (buffer, grown) = self.globals.write(device, queue, bytemuck::bytes_of(&globals));
         if grown || self.globals_group.is_none() {
             self.globals_group = Some(device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -142,7 +154,7 @@ impl Renderer {
             drop(pass);
             self.shadowed = Some((light, plan.solid.clone(), plan.casters().to_vec()));
         }
-        if mask_size.is_some() {
+        if mask.is_some() {
             let depth = Some((&masks.depth, 0.0));
             let mut pass = gpu::pass(&mut encoder, "surfaces", &masks.surfaces, None, wgpu::Color::WHITE, depth);
             pass.set_bind_group(0, globals, &[]);
@@ -154,21 +166,21 @@ impl Renderer {
             self.lighting.draw_mask(device, &mut encoder, globals, masks);
         }
         let light_group = gpu::bind_textures(device, &self.light_layout, &[&masks.smooth, self.lighting.shadow()]);
-        let depth = Some((target.depth(), 0.0));
-        let clear = wgpu::Color::TRANSPARENT;
-        let mut pass = gpu::pass(&mut encoder, "view", target.samples(), Some(target.color_view()), clear, depth);
+        let (samples, resolved) = drawn.samples.as_ref().map_or((color, None), |samples| (samples, Some(color)));
+        let (clear, depth) = (wgpu::Color::TRANSPARENT, Some((&drawn.depth, 0.0)));
+        let mut pass = gpu::pass(&mut encoder, "view", samples, resolved, clear, depth);
         pass.set_bind_group(0, globals, &[]);
         pass.set_bind_group(1, &light_group, &[]);
         if !view.transparent {
-            self.floor.draw_background(&mut pass);
+            self.floor.draw_background(&mut pass, smooth);
         }
-        self.meshes.draw_opaque(&mut pass, &plan.solid);
-        self.meshes.draw_opaque(&mut pass, &plan.unlit);
-        self.floor.draw_visible(&mut pass);
-        self.points.draw(&mut pass);
-        self.lines.draw(&mut pass);
+        self.meshes.draw_opaque(&mut pass, smooth, &plan.solid);
+        self.meshes.draw_opaque(&mut pass, smooth, &plan.unlit);
+        self.floor.draw_visible(&mut pass, smooth);
+        self.points.draw(&mut pass, smooth);
+        self.lines.draw(&mut pass, smooth);
         pass.set_bind_group(1, &light_group, &[]);
-        self.meshes.draw_clear(&mut pass, &plan.clear);
+        self.meshes.draw_clear(&mut pass, smooth, &plan.clear);
         drop(pass);
         queue.submit([encoder.finish()]);
     }

@@ -177,17 +177,19 @@ pub fn cuboid(size_m: Vector3<f64>) -> Mesh {
 /// A box about the origin with these edge lengths whose edges are rounded by `edge_m` (at most half the least length).
 pub fn rounded_cuboid(size_m: Vector3<f64>, edge_m: f64) -> Mesh {
     let half = size_m / 2.0;
-    let edge = edge_m.min(half.min());
-    if !(edge > 0.0) {
+    if !(edge_m > 0.0) {
         return cuboid(size_m);
     }
+    let edge = edge_m.min(half.min());
     /// Steps of each quarter turn.
     const STEPS: u32 = 6;
     let inner = half.add_scalar(-edge);
     let mut mesh = Mesh::default();
     // A sphere whose quarters are pulled apart to the corners; the gaps are the faces and edges.
     let angles = |quarters: [f64; 2]| {
-        quarters.into_iter().flat_map(|start| (0..=STEPS).map(move |k| start + FRAC_PI_2 * f64::from(k) / f64::from(STEPS)))
+        quarters
+            .into_iter()
+            .flat_map(|start| (0..=STEPS).map(move |k| start + FRAC_PI_2 * f64::from(k) / f64::from(STEPS)))
     };
     let latitudes: Vec<(f64, f64)> = angles([-FRAC_PI_2, 0.0]).zip([-1.0; 7].into_iter().chain([1.0; 7])).collect();
     let quarter_signs = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
@@ -356,7 +358,8 @@ mod tests {
         check("cone", &cone(r, l), PI * r * r * l / 3.0);
         check("ring", &ring(0.3, 0.02), 2.0 * PI * PI * 0.3 * 0.02 * 0.02);
         check("cuboid", &cuboid(Vector3::new(0.1, 0.2, 0.3)), 0.006);
-        let tube_path = [Point3::origin(), Point3::new(0.0, 0.0, 0.3), Point3::new(0.0, 0.0, 0.3), Point3::new(0.0, 0.0, 1.0)];
+        let tube_path =
+            [Point3::origin(), Point3::new(0.0, 0.0, 0.3), Point3::new(0.0, 0.0, 0.3), Point3::new(0.0, 0.0, 1.0)];
         check("tube", &tube(&tube_path, 0.01), PI * 1e-4);
         let (edge, size) = (0.02_f64, Vector3::new(0.1, 0.2, 0.3));
         let inner = size.add_scalar(-2.0 * edge);

@@ -9,9 +9,16 @@ use super::gpu::{COLOR_FORMAT, DEPTH_FORMAT, SAMPLES, picture};
 pub struct Target {
     size: [u32; 2],
     color: (wgpu::Texture, wgpu::TextureView),
-    samples: wgpu::TextureView,
-    depth: wgpu::TextureView,
+    smooth: Option<Drawn>,
+    draft: Option<Drawn>,
     masks: Option<Masks>,
+}
+
+/// What bodies are drawn into.
+pub(super) struct Drawn {
+    /// Samples that are resolved into the colour texture; `None` where bodies are drawn into it directly.
+    pub(super) samples: Option<wgpu::TextureView>,
+    pub(super) depth: wgpu::TextureView,
 }
 
 /// The small pictures behind shadow and occlusion.
@@ -29,14 +36,8 @@ impl Target {
     pub fn new(device: &wgpu::Device, size: [u32; 2]) -> Self {
         let size = limited(device, size);
         let shown = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC;
-        let none = wgpu::TextureUsages::empty();
-        Self {
-            size,
-            color: picture(device, "view colour", size, COLOR_FORMAT, 1, shown),
-            samples: picture(device, "view samples", size, COLOR_FORMAT, SAMPLES, none).1,
-            depth: picture(device, "view depth", size, DEPTH_FORMAT, SAMPLES, none).1,
-            masks: None,
-        }
+        let color = picture(device, "view colour", size, COLOR_FORMAT, 1, shown);
+        Self { size, color, smooth: None, draft: None, masks: None }
     }
 
     /// Makes the textures anew if the size differs; returns whether it did, so that egui's texture can follow.
@@ -63,21 +64,28 @@ impl Target {
         &self.color.0
     }
 
-    pub(super) fn samples(&self) -> &wgpu::TextureView {
-        &self.samples
-    }
-
-    pub(super) fn depth(&self) -> &wgpu::TextureView {
-        &self.depth
-    }
-
-    /// The mask textures at this fraction of the picture's size.
-    pub(super) fn masks(&mut self, device: &wgpu::Device, fraction: f64) -> &Masks {
+    /// The colour, what is drawn into for a smooth picture or a draft, and the mask textures at this fraction of the
+    /// picture's size.
+    pub(super) fn parts(
+        &mut self,
+        device: &wgpu::Device,
+        smooth: bool,
+        fraction: f64,
+    ) -> (&wgpu::TextureView, &Drawn, &Masks) {
+        let (slot, samples) = if smooth { (&mut self.smooth, SAMPLES) } else { (&mut self.draft, 1) };
+        let drawn = slot.get_or_insert_with(|| {
+            let view =
+                |label, format| picture(device, label, self.size, format, samples, wgpu::TextureUsages::empty()).1;
+            Drawn {
+                samples: smooth.then(|| view("view samples", COLOR_FORMAT)),
+                depth: view("view depth", DEPTH_FORMAT),
+            }
+        });
         let size = self.size.map(|side| ((f64::from(side) * fraction).ceil() as u32).max(1));
         if self.masks.as_ref().is_some_and(|masks| masks.size != size) {
             self.masks = None;
         }
-        self.masks.get_or_insert_with(|| {
+        let masks = self.masks.get_or_insert_with(|| {
             let loaded = wgpu::TextureUsages::TEXTURE_BINDING;
             let small = |label, format, usage| picture(device, label, size, format, 1, usage).1;
             Masks {
@@ -87,7 +95,8 @@ impl Target {
                 rough: small("rough mask", COLOR_FORMAT, loaded),
                 smooth: small("smooth mask", COLOR_FORMAT, loaded),
             }
-        })
+        });
+        (&self.color.1, drawn, masks)
     }
 }
 

@@ -35,7 +35,8 @@ fn table() -> MeshDraw {
 
 /// From above, orthographic, 2 m high.
 fn top_view(size_px: [u32; 2], theme: Theme) -> View {
-    let mut camera = Camera { target: Point3::new(0.6, 0.0, 0.7), projection: Projection::Orthographic, ..Camera::default() };
+    let mut camera =
+        Camera { target: Point3::new(0.6, 0.0, 0.7), projection: Projection::Orthographic, ..Camera::default() };
     camera.look_from(Named::Top);
     camera.distance_m = 1.0 / (camera.fov_y_rad / 2.0).tan();
     View { grid: false, ..View::new(camera, theme, size_px) }
@@ -123,8 +124,10 @@ fn a_lit_plane_is_even_so_there_is_no_shadow_acne() {
     for quality in [Quality::Draft, Quality::Live, Quality::Figure] {
         offscreen.set_quality(quality);
         let image = offscreen.render(&frame, &top_view([300, 300], Theme::Light)).unwrap();
-        let values: Vec<f64> =
-            (100..200).flat_map(|y| (100..200).map(move |x| (x, y))).map(|(x, y)| luminance(image.get_pixel(x, y))).collect();
+        let values: Vec<f64> = (100..200)
+            .flat_map(|y| (100..200).map(move |x| (x, y)))
+            .map(|(x, y)| luminance(image.get_pixel(x, y)))
+            .collect();
         let spread = values.iter().copied().fold(0.0, f64::max) - values.iter().copied().fold(255.0, f64::min);
         // One step of dithering either way.
         assert!(spread <= 2.5, "{spread} levels on an even plane with {quality:?}");
@@ -264,18 +267,16 @@ fn every_shader_can_be_said_in_the_language_of_webgl2() {
         let module = wgsl::parse_str(source).unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(source)));
         // Without any capability: nothing beyond WebGPU's core.
         let mut validator = valid::Validator::new(valid::ValidationFlags::all(), valid::Capabilities::empty());
-        let info = validator.validate(&module).unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(source)));
+        let info =
+            validator.validate(&module).unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(source)));
         let options = glsl::Options {
             version: glsl::Version::Embedded { version: 300, is_webgl: true },
             writer_flags: glsl::WriterFlags::ADJUST_COORDINATE_SPACE,
             ..glsl::Options::default()
         };
         for entry in &module.entry_points {
-            let pipeline = glsl::PipelineOptions {
-                shader_stage: entry.stage,
-                entry_point: entry.name.clone(),
-                multiview: None,
-            };
+            let pipeline =
+                glsl::PipelineOptions { shader_stage: entry.stage, entry_point: entry.name.clone(), multiview: None };
             let mut text = String::new();
             glsl::Writer::new(&mut text, &module, &info, &options, &pipeline, BoundsCheckPolicies::default())
                 .and_then(|mut writer| writer.write())
