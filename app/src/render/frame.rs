@@ -18,6 +18,7 @@ pub struct Frame {
 
 /// One instance of a mesh. Meshes are uploaded once per `Arc`, so keep and share them.
 #[derive(Clone)]
+#[expect(non_snake_case, reason = "frame letters")]
 pub struct MeshDraw {
     /// Geometry in its own frame M.
     pub mesh: Arc<Mesh>,
@@ -66,4 +67,18 @@ pub struct LineDraw {
     pub color: [f32; 4],
     /// Width in logical pixels.
     pub width_px: f32,
+    /// Length of a dash and of the gap after it, in logical pixels; `None` for a solid line.
+    pub dash_px: Option<f32>,
+}
+
+impl LineDraw {
+    /// A solid line.
+    pub fn new(points: Vec<Point3<f64>>, color: [f32; 4], width_px: f32) -> Self {
+        Self { points, color, width_px, dash_px: None }
+    }
+
+    /// The same line, dashed.
+    pub fn dashed(self, dash_px: f32) -> Self {
+        Self { dash_px: Some(dash_px), ..self }
+    }
 }

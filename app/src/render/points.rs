@@ -1,0 +1,214 @@
+//! Clouds: instanced polygons that face the eye, uploaded once per cloud.
+
+use std::{
+    collections::BTreeMap,
+    sync::{Arc, Weak},
+};
+
+use bytemuck::{Pod, Zeroable};
+use nalgebra::Point3;
+
+use super::{
+    Camera, Frame, PointsDraw,
+    gpu::{Color, Recipe, Sampled, Stream, fixed_buffer, shader},
+};
+
+/// Least diameter on the picture, in logical pixels.
+const LEAST_PX: f32 = 1.5;
+/// Distance between the uniform blocks of two clouds: the coarsest alignment of any device.
+const BLOCK: u64 = 256;
+/// Colour of points whose colour is missing.
+const NO_COLOR: [f32; 4] = [0.5, 0.5, 0.5, 1.0];
+
+/// One point relative to its cloud's centre. Here `f32` begins.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Splat {
+    position: [f32; 3],
+    srgb: [u8; 4],
+}
+
+/// What differs between clouds; see `Cloud` in `points.wgsl`, padded to [`BLOCK`].
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Block {
+    offset: [f32; 4],
+    shape: [f32; 4],
+    padding: [[f32; 4]; 14],
+}
+
+/// A cloud on the GPU.
+struct Uploaded {
+    points: Weak<Vec<Point3<f64>>>,
+    colors: Weak<Vec<[f32; 4]>>,
+    center: Point3<f64>,
+    splats: wgpu::Buffer,
+    count: u32,
+    opaque: bool,
+}
+
+impl Uploaded {
+    /// Points that are not finite are left out; colours that are missing repeat the last one.
+    fn new(device: &wgpu::Device, draw: &PointsDraw) -> Option<Self> {
+        let is_finite = |p: &Point3<f64>| p.coords.iter().all(|c| c.is_finite());
+        let (mut least, mut most) = (Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3]));
+        for point in draw.points.iter().filter(|p| is_finite(p)) {
+            (least, most) = (least.inf(point), most.sup(point));
+        }
+        let center = nalgebra::center(&least, &most);
+        let last_color = draw.colors.last().copied().unwrap_or(NO_COLOR);
+        let mut opaque = true;
+        let splats: Vec<Splat> = draw
+            .points
+            .iter()
+            .enumerate()
+            .filter(|(_, point)| is_finite(point))
+            .map(|(idx, point)| {
+                let color = draw.colors.get(idx).copied().unwrap_or(last_color);
+                let srgb = color.map(|c| (c.max(0.0).min(1.0) * 255.0).round() as u8);
+                opaque &= srgb[3] == 255;
+                Splat { position: (point - center).map(|v| v as f32).into(), srgb }
+            })
+            .collect();
+        (!splats.is_empty()).then(|| Self {
+            points: Arc::downgrade(&draw.points),
+            colors: Arc::downgrade(&draw.colors),
+            center,
+            splats: fixed_buffer(device, "points", wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(&splats)),
+            count: splats.len() as u32,
+            opaque,
+        })
+    }
+}
+
+/// A cloud's place among the uploaded ones: addresses of its points and colours.
+type Key = (usize, usize);
+
+fn key(draw: &PointsDraw) -> Key {
+    (Arc::as_ptr(&draw.points) as usize, Arc::as_ptr(&draw.colors) as usize)
+}
+
+/// Clouds on the GPU and the pipelines that draw them.
+pub(super) struct Points {
+    uploaded: BTreeMap<Key, Option<Uploaded>>,
+    /// What the current picture draws: cloud, uniform block, corners.
+    planned: Vec<(Key, u32, u32)>,
+    layout: wgpu::BindGroupLayout,
+    blocks: Stream,
+    bind_group: Option<wgpu::BindGroup>,
+    solid: Sampled,
+    mixed: Sampled,
+}
+
+impl Points {
+    pub(super) fn new(device: &wgpu::Device, globals: &wgpu::BindGroupLayout) -> Self {
+        let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("cloud"),
+            entries: &[wgpu::BindGroupLayoutEntry {
+                binding: 0,
+                visibility: wgpu::ShaderStages::VERTEX,
+                ty: wgpu::BindingType::Buffer {
+                    ty: wgpu::BufferBindingType::Uniform,
+                    has_dynamic_offset: true,
+                    min_binding_size: std::num::NonZeroU64::new(BLOCK),
+                },
+                count: None,
+            }],
+        });
+        let shader = shader(device, "points", concat!(include_str!("globals.wgsl"), include_str!("points.wgsl")));
+        let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Unorm8x4];
+        let solid = Recipe {
+            label: "points",
+            shader: &shader,
+            vertex: "vs_point",
+            fragment: "fs_point",
+            layouts: &[globals, &layout],
+            buffers: &[wgpu::VertexBufferLayout {
+                array_stride: size_of::<Splat>() as u64,
+                step_mode: wgpu::VertexStepMode::Instance,
+                attributes: &attributes,
+            }],
+            topology: wgpu::PrimitiveTopology::TriangleStrip,
+            color: Color::Replace,
+            depth: Some((wgpu::CompareFunction::Greater, true)),
+            samples: 1,
+        };
+        let mixed = Recipe {
+            label: "clear points",
+            color: Color::Mix,
+            depth: Some((wgpu::CompareFunction::Greater, false)),
+            ..solid
+        };
+        let (solid, mixed) = (solid.make_sampled(device), mixed.make_sampled(device));
+        let blocks = Stream::new("clouds", wgpu::BufferUsages::UNIFORM);
+        Self { uploaded: BTreeMap::new(), planned: Vec::new(), layout, blocks, bind_group: None, solid, mixed }
+    }
+
+    /// Uploads what is new, forgets what nobody holds, plans the picture.
+    pub(super) fn prepare(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        frame: &Frame,
+        camera: &Camera,
+        scene_center: &Point3<f64>,
+        size: [f64; 2],
+        pixels_per_point: f32,
+    ) {
+        let used = |cloud: &Uploaded| cloud.points.strong_count() > 0 && cloud.colors.strong_count() > 0;
+        self.uploaded.retain(|_, entry| entry.as_ref().is_some_and(used));
+        self.planned.clear();
+        let mut blocks: Vec<Block> = Vec::new();
+        for draw in &frame.points {
+            let key = key(draw);
+            let entry = self.uploaded.entry(key).or_insert_with(|| Uploaded::new(device, draw));
+            let Some(cloud) = entry.as_ref().filter(|_| draw.diameter_m.is_finite()) else { continue };
+            let diameter_px = f64::from(draw.diameter_m) / camera.m_per_px(&cloud.center, size);
+            let corners = match diameter_px {
+                px if px < 2.5 => 4,
+                px if px < 8.0 => 8,
+                _ => 16,
+            };
+            let offset = (cloud.center - scene_center).map(|v| v as f32);
+            // A polygon of n corners has the area of its circle if its radius is a little larger.
+            let angle = std::f32::consts::TAU / corners as f32;
+            let even = (angle / angle.sin()).sqrt();
+            blocks.push(Block {
+                offset: [offset.x, offset.y, offset.z, draw.diameter_m / 2.0 * even],
+                shape: [corners as f32, LEAST_PX * pixels_per_point / 2.0 * even, 0.0, 0.0],
+                padding: [[0.0; 4]; 14],
+            });
+            self.planned.push((key, (blocks.len() as u32 - 1) * BLOCK as u32, corners));
+        }
+        let (buffer, grown) = self.blocks.write(device, queue, bytemuck::cast_slice(&blocks));
+        if grown || self.bind_group.is_none() {
+            self.bind_group = Some(device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("clouds"),
+                layout: &self.layout,
+                entries: &[wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                        buffer,
+                        offset: 0,
+                        size: std::num::NonZeroU64::new(BLOCK),
+                    }),
+                }],
+            }));
+        }
+    }
+
+    /// Draws the clouds: opaque ones first.
+    pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, smooth: bool) {
+        for (opaque, pipeline) in [(true, &self.solid), (false, &self.mixed)] {
+            for (key, block, corners) in &self.planned {
+                let Some(Some(cloud)) = self.uploaded.get(key) else { continue };
+                if cloud.opaque == opaque {
+                    pass.set_pipeline(pipeline.get(smooth));
+                    pass.set_bind_group(1, &self.bind_group, &[*block]);
+                    pass.set_vertex_buffer(0, cloud.splats.slice(..));
+                    pass.draw(0..*corners, 0..cloud.count);
+                }
+            }
+        }
+    }
+}
