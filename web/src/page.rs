@@ -44,6 +44,8 @@ pub async fn start(module: JsValue, worker_url: String, renderer: String) -> Res
             &info.to_string(),
         );
     }));
+    // Warnings of the libraries go to the console; a second start finds the logger in place.
+    let _is_already_there = eframe::WebLogger::init(log::LevelFilter::Warn);
     let canvas: HtmlCanvasElement = dom::document()
         .and_then(|document| document.get_element_by_id("view"))
         .and_then(|element| element.dyn_into().ok())
