@@ -35,19 +35,21 @@ fn u32_at(bytes: &[u8], at: usize) -> Option<u32> {
     Some(u32::from_be_bytes(bytes.get(at..at + 4)?.try_into().ok()?))
 }
 
-#[cfg(test)]
+#[cfg(all(test, not(target_arch = "wasm32")))]
 mod tests {
     use super::*;
 
     #[test]
     fn all_digits_are_equally_wide_once_the_style_is_installed() {
-        let ctx = egui::Context::default();
-        crate::viewer::theme::install(&ctx);
+        let mut harness =
+            egui_kittest::Harness::builder().with_context_setup(crate::viewer::theme::install).build_ui(|_| ());
+        harness.run();
         let width = |text: &str, id: egui::FontId| {
-            ctx.fonts_mut(|fonts| fonts.layout_no_wrap(text.to_owned(), id, egui::Color32::WHITE).size().x)
+            let lay = |fonts: &mut egui::epaint::text::FontsView<'_>| {
+                fonts.layout_no_wrap(text.to_owned(), id, egui::Color32::WHITE).size().x
+            };
+            harness.ctx.fonts_mut(lay)
         };
-        // The first pass loads the fonts.
-        let _ = ctx.run_ui(egui::RawInput::default(), |_| ());
         for id in [crate::viewer::theme::font(13.0), crate::viewer::theme::strong(13.0)] {
             let ones = width("1111111111", id.clone());
             let zeros = width("0000000000", id.clone());

@@ -43,3 +43,6 @@ pub use state::{
 };
 pub use studio::{Demo, RobotChoice, Studio};
 pub use theme::{Tokens, install as install_theme};
+
+#[cfg(all(test, not(target_arch = "wasm32")))]
+mod tests;

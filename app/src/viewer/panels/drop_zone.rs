@@ -11,7 +11,7 @@ pub(super) fn draw(ui: &Ui) {
     }
     let tokens = Tokens::of(ui);
     let window = ui.max_rect();
-    let painter = ui.ctx().layer_painter(LayerId::unique(Order::Foreground, Id::unique("Drop")));
+    let painter = ui.ctx().layer_painter(LayerId::new(Order::Foreground, Id::unique("Drop")));
     painter.rect_filled(window, 0.0, tokens.scrim);
     let zone = window.shrink(24.0);
     painter.rect(zone, RADIUS + 4, tokens.teal.gamma_multiply(0.10), Stroke::new(2.0, tokens.teal), StrokeKind::Inside);

@@ -1,0 +1,280 @@
+//! A state to lay out: its numbers are invented and mean nothing.
+
+use std::sync::Arc;
+
+use endcomfort_core::cloud::{PixelGrid, PointCloud};
+use endcomfort_core::fit::{Fit, FitSettings};
+use endcomfort_core::grasp::{Contact, Grasp, GraspStatus, Situated};
+use endcomfort_core::job::{FitOutput, GraspsOutput, Output, RankOutput, SceneOutput, SegmentOutput, Update};
+use endcomfort_core::plan::Trajectory;
+use endcomfort_core::rng::Rng;
+use endcomfort_core::scene::{ArmChoice, Obstacle, PlacedObject, SCENE_VERSION, Scene, TableTop, Task};
+use endcomfort_core::segment::{Plane, PointFate, SegmentSettings};
+use endcomfort_core::superquadric::Superquadric;
+use endcomfort_core::task::{Phase, PhaseKind, Plan};
+use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+
+use crate::viewer::{Demo, Document, RobotChoice, ViewerState};
+
+pub(super) fn scene(name: &str, title: &str, summary: &str, robot: &str) -> Arc<Scene> {
+    let placed = |object: &str, x: f64, y: f64| PlacedObject {
+        object: object.to_owned(),
+        X_WO: Isometry3::translation(x, y, 0.83),
+    };
+    Arc::new(Scene {
+        version: SCENE_VERSION,
+        name: name.to_owned(),
+        title: title.to_owned(),
+        summary: summary.to_owned(),
+        robot: robot.to_owned(),
+        arm: ArmChoice::Right,
+        posture: "home".to_owned(),
+        table: TableTop { center_m: [0.75, 0.0], size_m: [0.8, 1.4], height_m: 0.74, thickness_m: 0.04 },
+        objects: vec![placed("tall_glass", 0.6, -0.2), placed("soup_can", 0.7, 0.2), placed("cracker_box", 0.8, 0.0)],
+        obstacles: vec![Obstacle {
+            name: "shelf board".to_owned(),
+            size_m: Vector3::new(0.2, 0.3, 0.02),
+            X_WB: Isometry3::translation(0.8, 0.4, 1.0),
+        }],
+        X_WC: Isometry3::from_parts(
+            Vector3::new(0.1, 0.0, 1.5).into(),
+            UnitQuaternion::from_euler_angles(-2.2, 0.0, -1.57),
+        ),
+        task: Task::PickAndPlace { object: 0, X_WO_goal: Isometry3::translation(0.62, 0.24, 0.83) },
+        seed: 7,
+        segment: SegmentSettings::default(),
+        fit: FitSettings::default(),
+    })
+}
+
+pub(super) fn fresh() -> ViewerState {
+    let demos: Vec<Demo> = [
+        (
+            "mustard",
+            "Alita picks the mustard bottle",
+            "A gripper, a bottle in a row of neighbours, one way that fits.",
+            "alita",
+        ),
+        (
+            "jar",
+            "Crichton moves a jar onto a box",
+            "Three fingers around a jar that has to end up on top of a box.",
+            "crichton",
+        ),
+        (
+            "glass",
+            "Upside-down glass",
+            "The glass stands on its rim. Turned over at the goal, an awkward grasp now is the easy one then.",
+            "crichton",
+        ),
+    ]
+    .into_iter()
+    .map(|(name, title, summary, robot)| Demo {
+        name: name.to_owned(),
+        scene: scene(name, title, summary, robot),
+        thumbnail: None,
+    })
+    .collect();
+    let robots = ["Crichton", "Alita"].map(|title| RobotChoice {
+        name: title.to_lowercase(),
+        title: title.to_owned(),
+        posture: "home".to_owned(),
+    });
+    let mut state = ViewerState::new(Document::new(demos[2].scene.clone()), demos, robots.to_vec());
+    state.demo = Some("glass".to_owned());
+    state
+}
+
+/// A state in which all stages are done.
+pub(super) fn planned() -> ViewerState {
+    let mut state = fresh();
+    for (elapsed_ms, output) in outputs() {
+        done(&mut state, elapsed_ms, output);
+    }
+    let _announced = state.receive(Update::Finished { revision: state.revision });
+    state
+}
+
+pub(super) fn done(state: &mut ViewerState, elapsed_ms: f64, output: Output) {
+    let revision = state.revision;
+    let _announced = state.receive(Update::Done { revision, elapsed_ms, output: Box::new(output) });
+}
+
+pub(super) fn outputs() -> Vec<(f64, Output)> {
+    let mut rng = Rng::new(3, 0);
+    let mut random = move || rng.unit();
+    let points: Vec<Point3<f64>> = (0..6766).map(|_| Point3::new(random(), random(), 0.75)).collect();
+    let clusters: Vec<Vec<Point3<f64>>> = [1820, 1204, 640].map(|n| points[..n].to_vec()).to_vec();
+    let mut fates = vec![PointFate::Table; points.len()];
+    for (range, fate) in [
+        (0..3664, PointFate::Cluster(0)),
+        (3664..3800, PointFate::TooLow),
+        (3800..3990, PointFate::OffTable),
+        (3990..4020, PointFate::SmallCluster),
+    ] {
+        fates[range].fill(fate);
+    }
+    let fit = |a: f64| Fit {
+        superquadric: Superquadric {
+            a,
+            b: 0.0347,
+            c: 0.0661,
+            e1: 0.24,
+            e2: 0.98,
+            X_FS: Isometry3::translation(0.6, -0.2, 0.81),
+        },
+        radial_m: 0.000_82,
+        goodness_of_fit: 0.0143,
+        goodness_of_fit_abs: 0.0871,
+        volume_m3: 4.1e-4,
+        iterations: 84,
+        points: 1820,
+        used_points: 212,
+        mirrored: points[..106].to_vec(),
+        mirror_note: "Mirrored across the plane through the axis, 12° from the line of sight; 106 points were added."
+            .to_owned(),
+        starts: (1..=3).map(|i| format!("axis {i}: cost 0.00{i}4 after {} iterations, converged", 20 + i)).collect(),
+    };
+    let candidates = candidates();
+    let mut handled = candidates.clone();
+    for grasp in handled
+        .iter_mut()
+        .filter(|grasp| matches!(grasp.status, GraspStatus::NoIkAtGoal { .. } | GraspStatus::NoIkAtStart { .. }))
+    {
+        grasp.status = GraspStatus::Accepted;
+    }
+    for grasp in &mut handled {
+        (grasp.start, grasp.goal) = (None, None);
+    }
+    let accepted = candidates.iter().filter(|grasp| grasp.status == GraspStatus::Accepted).count();
+    vec![
+        (
+            2.1,
+            Output::Scene(SceneOutput {
+                cloud: PointCloud {
+                    points: points.clone(),
+                    colors: Vec::new(),
+                    grid: Some(PixelGrid { width: 640, height: 480, pixels: Vec::new() }),
+                    X_FC: None,
+                },
+                notes: vec!["Seen by the simulated camera with the noise of a Carmine 1.09.".to_owned()],
+            }),
+        ),
+        (
+            9.0,
+            Output::Segment(SegmentOutput {
+                table: Plane { normal: Vector3::z_axis(), offset_m: 0.7402 },
+                fates,
+                clusters,
+                target: 0,
+            }),
+        ),
+        (
+            3.2,
+            Output::Fit(FitOutput {
+                fits: vec![Ok(fit(0.0351)), Ok(fit(0.04)), Err("Only 24 points are left after thinning.".to_owned())],
+                target: 0,
+            }),
+        ),
+        (
+            14.0,
+            Output::Grasps(GraspsOutput {
+                grasps: handled,
+                X_WO_start: Isometry3::translation(0.6, -0.2, 0.81),
+                X_WO_goal: Some(Isometry3::translation(0.62, 0.24, 0.81)),
+            }),
+        ),
+        (21.4, Output::Rank(RankOutput { grasps: candidates.clone(), accepted })),
+        (6.3, Output::Plan(Box::new(plan(candidates[0].clone())))),
+    ]
+}
+
+fn candidates() -> Vec<Grasp> {
+    let situated = |m_g: f64, ik_count: usize| Situated {
+        m_g,
+        ik_count,
+        solutions: vec![vec![0.1; 7]; ik_count],
+        manipulability: (0..ik_count)
+            .map(|i| m_g + 0.5 * m_g * ((i as f64 * 0.7).sin() + (i as f64 * 1.3).cos()) / 2.0)
+            .collect(),
+        rejected: vec![("joint 6 limit".to_owned(), 40), ("elbow meets the table".to_owned(), 12)],
+    };
+    (0..412_u32)
+        .map(|i| {
+            let status = match i {
+                0..37 => GraspStatus::Accepted,
+                _ => match i % 6 {
+                    0 => GraspStatus::NoIkAtGoal { reason: "joint 6 limit".to_owned() },
+                    1 => GraspStatus::HitsTable { link: "right thumb".to_owned() },
+                    2 => GraspStatus::TooFewContacts { found: 2, wanted: 3 },
+                    3 => GraspStatus::HitsNeighbour { link: "palm".to_owned(), neighbour: "cluster 2".to_owned() },
+                    4 => GraspStatus::TooWide { width_m: 0.131, opening_m: 0.1 },
+                    _ => GraspStatus::NoIkAtStart { reason: "out of reach".to_owned() },
+                },
+            };
+            let rank = f64::from(i);
+            let (start, goal) = match &status {
+                GraspStatus::Accepted => (
+                    Some(situated(0.041 + 0.001 * (rank * 0.9).sin(), 80)),
+                    Some(situated(0.093 - 0.0015 * rank, 108 - i as usize)),
+                ),
+                GraspStatus::NoIkAtGoal { .. } => (
+                    Some(situated(0.066, 71)),
+                    Some(Situated { rejected: vec![("joint 6 limit".to_owned(), 96)], ..Situated::default() }),
+                ),
+                _ => (None, None),
+            };
+            let contact =
+                |link: &str| Contact { p_O: Point3::new(0.03, 0.0, 0.0), n_O: Vector3::x(), link: link.to_owned() };
+            Grasp {
+                id: (i * 131) % 412,
+                X_OH: Isometry3::rotation(Vector3::new(0.3, 2.0 + 0.3 * rank.sin(), 0.4 * rank.cos())),
+                closed: vec![0.5; 7],
+                contacts: vec![contact("thumb"), contact("finger 1"), contact("finger 2"), contact("palm")],
+                width_m: 0.071,
+                epsilon: 0.21 - 0.001 * rank / 4.0,
+                start,
+                goal,
+                status,
+            }
+        })
+        .collect()
+}
+
+fn plan(grasp: Grasp) -> Plan {
+    let mut start_s = 0.0;
+    let kinds = [
+        (PhaseKind::Reach, 3.5),
+        (PhaseKind::Close, 0.6),
+        (PhaseKind::Lift, 0.5),
+        (PhaseKind::Transport, 3.9),
+        (PhaseKind::Place, 0.4),
+        (PhaseKind::Open, 0.5),
+        (PhaseKind::Retreat, 2.0),
+    ];
+    let phases = kinds
+        .into_iter()
+        .map(|(kind, length_s)| {
+            let times_s: Vec<f64> = (0..=60).map(|i| length_s * f64::from(i) / 60.0).collect();
+            let at = |t: &f64| 0.06 + 0.03 * (0.9 * (start_s + t)).sin();
+            let phase = Phase {
+                kind,
+                start_s,
+                carries: matches!(kind, PhaseKind::Lift | PhaseKind::Transport | PhaseKind::Place),
+                manipulability: times_s.iter().map(at).collect(),
+                clearance_m: times_s.iter().map(|t| 0.02 + 0.5 * at(t)).collect(),
+                trajectory: Trajectory { positions: times_s.iter().map(|t| vec![*t; 9]).collect(), times_s },
+            };
+            start_s += length_s;
+            phase
+        })
+        .collect();
+    Plan {
+        arm: "right".to_owned(),
+        grasp,
+        phases,
+        q_start: vec![0.0; 16],
+        dofs: (0..9).collect(),
+        failed_grasps: vec![(131, "transport: the carried glass meets the cracker box".to_owned())],
+    }
+}

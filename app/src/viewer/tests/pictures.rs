@@ -1,0 +1,121 @@
+//! The whole interface as pictures. `ENDCOMFORT_LOOK=<folder>` keeps them for looking at.
+
+use endcomfort_core::job::{Refusal, Stage, Update};
+
+use super::{Page, invented, page};
+use crate::viewer::state::{IkChoice, Side, Situation, Step};
+use crate::viewer::{Command, Overlay, Tokens, ViewerState};
+
+const LARGE: [f32; 2] = [1440.0, 900.0];
+const SMALL: [f32; 2] = [1280.0, 720.0];
+const NARROW: [f32; 2] = [700.0, 900.0];
+
+fn at(step: Step) -> ViewerState {
+    let mut state = invented::planned();
+    let _none = state.apply(Command::SelectStep(step));
+    let _none = state.apply(Command::Seek(4.62));
+    state
+}
+
+fn with(mut state: ViewerState, commands: impl IntoIterator<Item = Command>) -> ViewerState {
+    for command in commands {
+        let _effects = state.apply(command);
+    }
+    state
+}
+
+fn refused() -> ViewerState {
+    let mut state = invented::planned();
+    let _run = state.apply(Command::SetSeed(8));
+    for (elapsed_ms, output) in invented::outputs().into_iter().take(5) {
+        invented::done(&mut state, elapsed_ms, output);
+    }
+    let refusal = Refusal {
+        message: "None of the 37 grasps can be carried to the goal: the glass meets the shelf board on every path. \
+                  Move the board or choose a lower goal."
+            .to_owned(),
+        details: vec![
+            "grasp 1: transport, the carried glass meets the shelf board".to_owned(),
+            "grasp 2: place, the right wrist meets the cracker box".to_owned(),
+        ],
+    };
+    let _announced = state.receive(Update::Refused { revision: state.revision, stage: Stage::Plan, refusal });
+    state
+}
+
+fn running() -> ViewerState {
+    let mut state = invented::planned();
+    let _run = state.apply(Command::SetSeed(9));
+    for (elapsed_ms, output) in invented::outputs().into_iter().take(2) {
+        invented::done(&mut state, elapsed_ms, output);
+    }
+    let progress = Update::Progress {
+        revision: state.revision,
+        stage: Stage::Fit,
+        fraction: 0.4,
+        note: "cluster 2 of 3".to_owned(),
+    };
+    let _none = state.receive(progress);
+    state
+}
+
+/// Every picture is drawn, has the theme's panel colour where the panels are, and no text falls out of the font
+/// (the harness fails on a missing glyph).
+#[test]
+fn every_screen_is_drawn_in_both_themes() {
+    let rank = Step::Stage(Stage::Rank);
+    let ik = Command::ShowIk(Some(IkChoice { at: Situation::Goal, index: 13 }));
+    let mut screens: Vec<(&str, [f32; 2], ViewerState)> = vec![
+        ("rank", LARGE, at(rank)),
+        ("rank", SMALL, with(at(rank), [ik])),
+        ("narrow", NARROW, at(rank)),
+        ("narrow-left", NARROW, with(at(rank), [Command::ToggleDrawer(Side::Left)])),
+        ("narrow-right", NARROW, with(at(rank), [Command::ToggleDrawer(Side::Right)])),
+        ("refused", SMALL, refused()),
+        ("running", SMALL, running()),
+        ("gallery", LARGE, with(at(rank), [Command::Show(Overlay::Gallery)])),
+        ("gallery", NARROW, with(at(rank), [Command::Show(Overlay::Gallery)])),
+        ("help", SMALL, with(at(rank), [Command::Show(Overlay::Help)])),
+        ("play", SMALL, at(Step::Play)),
+        ("fresh", SMALL, invented::fresh()),
+    ];
+    for stage in [Stage::Scene, Stage::Segment, Stage::Fit, Stage::Grasps, Stage::Plan] {
+        screens.push((stage.title(), SMALL, at(Step::Stage(stage))));
+    }
+    let mut told = at(Step::Stage(Stage::Grasps));
+    let _none = told.apply(Command::FileFailed {
+        name: "bunny.pcd".to_owned(),
+        reason: "line 11 says 4 096 points, the file ends after 1 200".to_owned(),
+    });
+    told.say(false, "The picture was saved as endcomfort-glass-4.62s.png.", Vec::new());
+    screens.push(("messages", SMALL, told));
+    let folder = std::env::var_os("ENDCOMFORT_LOOK").map(std::path::PathBuf::from);
+    let only = std::env::var("ENDCOMFORT_LOOK_ONLY").ok();
+    for (name, size, state) in screens {
+        if only.as_ref().is_some_and(|only| !name.starts_with(only.as_str())) {
+            continue;
+        }
+        let mut harness = page(state, size, egui::Theme::Dark);
+        for theme in [egui::Theme::Dark, egui::Theme::Light] {
+            harness.ctx.set_theme(theme);
+            harness.run_steps(4);
+            let picture = harness.render().expect("the software rasteriser draws");
+            let tokens = Tokens::for_dark(theme == egui::Theme::Dark);
+            if harness.state().state.overlay == Overlay::None {
+                // Beside the wordmark there is nothing but the top bar over the view.
+                let found = picture.get_pixel(20, 17).0;
+                let view = tokens.view_centre.lerp_to_gamma(tokens.view_edge, 0.5);
+                let wanted = view.blend(tokens.panel).to_array();
+                for (found, wanted) in found.into_iter().zip(wanted) {
+                    assert!(found.abs_diff(wanted) <= 2, "{name}: {found} against {wanted} of the panel's colour");
+                }
+            }
+            if let Some(folder) = &folder {
+                let file = format!("{name}-{}x{}-{theme:?}.png", size[0], size[1]).to_lowercase();
+                picture.save(folder.join(file)).expect("the folder can be written");
+            }
+        }
+        let Page { commands, .. } = harness.into_state();
+        assert!(commands.is_empty(), "{name}: nobody touched anything, yet {commands:?}");
+    }
+}
