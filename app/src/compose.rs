@@ -206,7 +206,7 @@ impl Composer {
     fn add_grasps(&mut self, frame: &mut Frame, input: &Content<'_>, palette: &Palette) {
         let Some(X_WO) = input.X_WO.or(input.X_WO_start) else { return };
         let Some(arm) = input.robot.arm(input.scene.arm.name()) else { return };
-        let pin = self.pin.get_or_insert_with(|| Arc::new(shapes::pin(0.055, 0.0012, 0.0042))).clone();
+        let pin = self.pin.get_or_insert_with(|| Arc::new(pin())).clone();
         let hand = HandModel::new(input.robot, arm);
         let scale = merit_scale(input.grasps);
         for grasp in input.grasps {
@@ -264,6 +264,14 @@ pub fn merit_scale(grasps: &[Grasp]) -> Scale {
     Scale::covering(ColorMap::Viridis, accepted.map(merit))
 }
 
+/// A grasp as a pin: its foot at the origin, its stem and head along -z, where the hand comes from.
+fn pin() -> Mesh {
+    let (length_m, radius_m) = (0.05, 0.0011);
+    let mut pin = shapes::cylinder(radius_m, length_m).transformed(&Isometry3::translation(0.0, 0.0, -0.5 * length_m));
+    pin.append(&shapes::bead(4.0 * radius_m).transformed(&Isometry3::translation(0.0, 0.0, -length_m)));
+    pin
+}
+
 /// The way of the hand frame, phase by phase.
 fn add_path(frame: &mut Frame, plan: &Plan, input: &Content<'_>, palette: &Palette) {
     let Some(arm) = input.robot.arm(&plan.arm) else { return };
@@ -283,6 +291,6 @@ fn add_path(frame: &mut Frame, plan: &Plan, input: &Content<'_>, palette: &Palet
                 Point3::from(input.robot.link_poses(&state.q)[arm.hand.tcp_link].translation.vector)
             })
             .collect();
-        frame.lines.push(LineDraw { points, color, width_px: 3.0 });
+        frame.lines.push(LineDraw::new(points, color, 3.0));
     }
 }

@@ -87,10 +87,21 @@ impl Picture<'_> {
         }
         content.q = &q;
         let frame = Composer::default().compose(&content);
-        let camera = settings.camera.map_or_else(Camera::default, |(eye, target)| {
-            Camera::looking(Point3::from(eye), Point3::from(target))
-        });
+        let camera = settings.camera.map_or_else(Camera::default, |(eye, target)| looking(eye.into(), target.into()));
         let view = View { transparent: settings.transparent, ..View::new(camera, settings.theme, settings.size_px) };
         Offscreen::new()?.render(&frame, &view)
+    }
+}
+
+/// The camera at `eye` that looks at `target`.
+fn looking(eye: Point3<f64>, target: Point3<f64>) -> Camera {
+    let back = eye - target;
+    let distance_m = back.norm().max(1e-3);
+    Camera {
+        target,
+        distance_m,
+        yaw_rad: back.y.atan2(back.x),
+        pitch_rad: (back.z / distance_m).asin(),
+        ..Camera::default()
     }
 }

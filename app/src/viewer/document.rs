@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use endcomfort_core::job::{DroppedCloud, Request};
+use endcomfort_core::job::{DroppedCloud, Request, Stage};
 use endcomfort_core::scene::Scene;
 
 /// Everything that a person can change and that changes the result: one step of undo.
@@ -32,6 +32,7 @@ impl Document {
             cloud: self.cloud.as_deref().cloned(),
             cluster: self.cluster,
             grasp: self.grasp,
+            last: Stage::Plan,
         }
     }
 }

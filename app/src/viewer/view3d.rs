@@ -57,7 +57,7 @@ impl View3d {
     /// A view that draws with the window's or the page's device.
     pub(super) fn new(gpu: &RenderState) -> Self {
         let mut renderer = Renderer::new(&gpu.device, &gpu.queue);
-        renderer.set_quality(Quality::for_adapter(&gpu.adapter.get_info()));
+        renderer.set_quality(Quality::while_moving(&gpu.adapter.get_info()));
         let target = Target::new(&gpu.device, [1, 1]);
         let texture =
             gpu.renderer.write().register_native_texture(&gpu.device, target.color_view(), wgpu::FilterMode::Linear);

@@ -107,6 +107,7 @@ fn words(status: &GraspStatus) -> &'static str {
         GraspStatus::TooWide { .. } => "Too wide for the hand",
         GraspStatus::HandInObject { .. } => "Hand inside the object",
         GraspStatus::TooFewContacts { .. } => "Too few contacts",
+        GraspStatus::OneSided { .. } => "Touches one side only",
         GraspStatus::HitsTable { .. } => "Hits the table",
         GraspStatus::HitsNeighbour { .. } => "Hits a neighbour",
         GraspStatus::NoIkAtStart { .. } => "Out of reach at start",

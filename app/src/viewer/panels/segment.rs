@@ -42,7 +42,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     let _row = key_value(ui, "Smallest cluster", &format::plural(settings.cluster_min_points, "point"));
 }
 
-const KINDS: usize = 7;
+const KINDS: usize = 8;
 
 fn kind(fate: PointFate) -> usize {
     match fate {
@@ -53,6 +53,7 @@ fn kind(fate: PointFate) -> usize {
         PointFate::TooHigh => 4,
         PointFate::OffTable => 5,
         PointFate::SmallCluster => 6,
+        PointFate::KnownObstacle => 7,
     }
 }
 
@@ -65,12 +66,13 @@ fn words(kind: usize) -> &'static str {
         "Too high",
         "Beside the table",
         "In too small a cluster",
+        "On a known box",
     ][kind]
 }
 
 fn color(kind: usize, tokens: &Tokens) -> Color32 {
     let coral = |t: f32| tokens.coral.lerp_to_gamma(tokens.panel.to_opaque(), t);
-    [tokens.teal, tokens.slate, tokens.amber, coral(0.0), coral(0.25), coral(0.45), tokens.violet][kind]
+    [tokens.teal, tokens.slate, tokens.amber, coral(0.0), coral(0.25), coral(0.45), tokens.violet, tokens.blue][kind]
 }
 
 /// A bar of all points by what became of them, and the numbers.
