@@ -64,13 +64,16 @@ impl<'a, 'd> Groups<'a, 'd> {
         }
         let names: Vec<String> = groups.nodes.keys().cloned().collect();
         for name in &names {
-            let group = groups.expand(robot, name, &mut Vec::new())?;
-            groups.read.insert(name.clone(), group);
+            groups.expand(robot, name, &mut Vec::new())?;
         }
         Ok(groups)
     }
 
-    fn expand(&self, robot: &Robot, name: &str, inside: &mut Vec<String>) -> Result<Group, RobotError> {
+    /// The group with everything it contains; read once, however often it is contained.
+    fn expand(&mut self, robot: &Robot, name: &str, inside: &mut Vec<String>) -> Result<Group, RobotError> {
+        if let Some(known) = self.read.get(name) {
+            return Ok(known.clone());
+        }
         let Some(&node) = self.nodes.get(name) else { return Ok(Group::default()) };
         if inside.iter().any(|outer| outer == name) {
             return Err(RobotError::GroupLoop { line: xml::line(node), group: name.to_owned() });
@@ -109,6 +112,7 @@ impl<'a, 'd> Groups<'a, 'd> {
             }
         }
         inside.pop();
+        self.read.insert(name.to_owned(), group.clone());
         Ok(group)
     }
 

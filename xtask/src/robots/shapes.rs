@@ -204,7 +204,7 @@ pub(super) fn bent_tube(from: V3, over: V3, to: V3, radius: f64) -> Surface {
         let up = cross(along, side);
         for j in 0..AROUND / 2 {
             let (sin, cos) = (TAU * j as f64 / (AROUND / 2) as f64).sin_cos();
-            let n: V3 = std::array::from_fn(|k| up[k] * cos + side[k] * sin);
+            let n: V3 = std::array::from_fn(|k| up[k] * cos - side[k] * sin);
             surface.normals.push(n);
             surface.points.push(std::array::from_fn(|k| p[k] + radius * n[k]));
         }
