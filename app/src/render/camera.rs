@@ -253,7 +253,7 @@ impl Camera {
     /// eye or too near. The place may lie outside the picture.
     pub fn project(&self, point: &Point3<f64>, size: [f64; 2]) -> Option<Point2<f64>> {
         let depth_m = self.depth_m(point);
-        if !(depth_m > self.near_m()) {
+        if depth_m.is_nan() || depth_m <= self.near_m() {
             return None;
         }
         let half_height = match self.projection {
@@ -273,7 +273,7 @@ impl Camera {
         if t >= 1.0 {
             return *other;
         }
-        if !(t > 0.0) {
+        if t.is_nan() || t <= 0.0 {
             return *self;
         }
         let eased = t * t * (3.0 - 2.0 * t);

@@ -177,7 +177,7 @@ pub fn cuboid(size_m: Vector3<f64>) -> Mesh {
 /// A box about the origin with these edge lengths whose edges are rounded by `edge_m` (at most half the least length).
 pub fn rounded_cuboid(size_m: Vector3<f64>, edge_m: f64) -> Mesh {
     let half = size_m / 2.0;
-    if !(edge_m > 0.0) {
+    if edge_m.is_nan() || edge_m <= 0.0 {
         return cuboid(size_m);
     }
     let edge = edge_m.min(half.min());

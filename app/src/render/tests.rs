@@ -143,8 +143,8 @@ fn picking_agrees_with_the_picture() {
     let frame = Frame {
         meshes: vec![
             body(shapes::sphere(0.2), [0.6, -0.2, 0.8], coded(40), Surface::Unlit, 40),
-            body(shapes::cuboid(Vector3::new(0.3, 0.2, 0.5)), [0.3, 0.1, 0.8], coded(80), Surface::Unlit, 80),
-            body(shapes::ring(0.2, 0.03), [0.7, 0.2, 0.9], coded(120), Surface::Unlit, 120),
+            body(shapes::cuboid(Vector3::new(0.3, 0.2, 0.5)), [0.3, 0.1, 0.8], coded(90), Surface::Unlit, 90),
+            body(shapes::ring(0.2, 0.03), [0.7, 0.2, 0.9], coded(180), Surface::Unlit, 180),
         ],
         ..Frame::default()
     };
@@ -166,7 +166,7 @@ fn picking_agrees_with_the_picture() {
                 _ => 0,
             };
             // Where two bodies meet, the red of the mixed pixel is between theirs.
-            different += usize::from(drawn != picked && [0, 40, 80, 120].contains(&drawn));
+            different += usize::from(drawn != picked && [0, 40, 90, 180].contains(&drawn));
         }
         assert!(hits > 2000, "{hits} pixels hit");
         assert!(different <= 10, "{different} pixels differ in {projection:?}");
