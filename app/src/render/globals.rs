@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Matrix4, Point3, Vector3};
 
-use super::{Projection, Quality, View, lighting::Light, theme::Look};
+use super::{Camera, Projection, Quality, View, lighting::Light, theme::Look};
 
 /// The uniform block; see `globals.wgsl` for what each value means.
 #[repr(C)]
@@ -32,6 +32,16 @@ pub(super) struct Globals {
     floor: [f32; 4],
     taps: [f32; 4],
     options: [f32; 4],
+}
+
+/// How a picture's sizes on screen and in the world hang together.
+pub(super) struct Stage<'a> {
+    pub(super) camera: &'a Camera,
+    /// What positions on the GPU are relative to.
+    pub(super) scene_center: Point3<f64>,
+    /// Width and height in pixels.
+    pub(super) size: [f64; 2],
+    pub(super) pixels_per_point: f32,
 }
 
 /// Where the bodies of a frame are, as seen from the eye.

@@ -91,7 +91,7 @@ fn occlusion(pixel: vec2<f32>, world: vec3<f32>, normal: vec3<f32>, depth: f32, 
         let falloff = max(1.0 - squared / (radius * radius), 0.0);
         sum += falloff * falloff * falloff * max(dot(toward, normal) - least, 0.0) / (squared + 1e-5) * radius;
     }
-    return clamp(1.0 - 2.2 * sum / globals.taps.z, 0.0, 1.0);
+    return clamp(1.0 - 2.8 * sum / globals.taps.z, 0.0, 1.0);
 }
 
 @fragment

@@ -1,12 +1,11 @@
 //! Polylines: one instance per segment, constant width on the picture.
 
-use bytemuck::{Pod, Zeroable};
-use nalgebra::Point3;
-
 use super::{
-    Camera, Frame,
+    Frame,
+    globals::Stage,
     gpu::{Color, Recipe, Sampled, Stream, shader},
 };
+use bytemuck::{Pod, Zeroable};
 
 /// One segment relative to the scene centre; see `Segment` in `lines.wgsl`.
 #[repr(C)]
@@ -20,28 +19,23 @@ struct Segment {
 }
 
 /// The segments of a frame. Vertices that are not finite interrupt their line.
-fn segments(
-    frame: &Frame,
-    camera: &Camera,
-    scene_center: &Point3<f64>,
-    size: [f64; 2],
-    pixels_per_point: f32,
-) -> Vec<Segment> {
+fn segments(frame: &Frame, stage: &Stage<'_>) -> Vec<Segment> {
     let mut segments = Vec::new();
     for line in &frame.lines {
-        let half_width = line.width_px * pixels_per_point / 2.0;
-        let dash = line.dash_px.filter(|d| *d > 0.0).unwrap_or(0.0) * pixels_per_point;
+        let half_width = line.width_px * stage.pixels_per_point / 2.0;
+        let dash = line.dash_px.filter(|d| *d > 0.0).unwrap_or(0.0) * stage.pixels_per_point;
         let mut length_px = 0.0;
         for pair in line.points.windows(2) {
-            let [start, end] = [pair[0], pair[1]].map(|p| (p - scene_center).map(|v| v as f32));
+            let [start, end] = [pair[0], pair[1]].map(|p| (p - stage.scene_center).map(|v| v as f32));
             if !(start.iter().chain(&end).all(|v| v.is_finite()) && half_width.is_finite()) {
                 continue;
             }
             let style = [half_width, dash, length_px as f32, 0.0];
             segments.push(Segment { start: start.into(), end: end.into(), srgb: line.color, style });
+            let project = |end: usize| stage.camera.project(&pair[end], stage.size);
             // Where an end is not seen, dashes may jump; nobody sees that either.
             if dash > 0.0
-                && let (Some(from), Some(to)) = (camera.project(&pair[0], size), camera.project(&pair[1], size))
+                && let (Some(from), Some(to)) = (project(0), project(1))
             {
                 length_px = (length_px + (to - from).norm()) % f64::from(2.0 * dash);
             }
@@ -82,17 +76,8 @@ impl Lines {
     }
 
     /// Writes the picture's segments.
-    pub(super) fn prepare(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        frame: &Frame,
-        camera: &Camera,
-        scene_center: &Point3<f64>,
-        size: [f64; 2],
-        pixels_per_point: f32,
-    ) {
-        let segments = segments(frame, camera, scene_center, size, pixels_per_point);
+    pub(super) fn prepare(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, frame: &Frame, stage: &Stage<'_>) {
+        let segments = segments(frame, stage);
         self.count = segments.len() as u32;
         self.segments.write(device, queue, bytemuck::cast_slice(&segments));
     }
@@ -109,8 +94,10 @@ impl Lines {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Point3;
+
     use super::*;
-    use crate::render::LineDraw;
+    use crate::render::{Camera, LineDraw};
 
     #[test]
     fn dashes_go_on_across_joints_and_gaps_interrupt() {
@@ -120,7 +107,8 @@ mod tests {
         points[3].x = f64::NAN;
         let frame = Frame { lines: vec![LineDraw::new(points, [1.0; 4], 2.0).dashed(50.0)], ..Frame::default() };
         let size = [1000.0, 1000.0];
-        let made = segments(&frame, &camera, &Point3::origin(), size, 2.0);
+        let stage = Stage { camera: &camera, scene_center: Point3::origin(), size, pixels_per_point: 2.0 };
+        let made = segments(&frame, &stage);
         assert_eq!(made.len(), 2);
         assert_eq!(made[0].style[..2], [2.0, 100.0]);
         let px = 0.01 / camera.m_per_px(&camera.target, size);

@@ -28,7 +28,8 @@ mod target;
 mod theme;
 mod view;
 
-#[cfg(all(test, not(target_arch = "wasm32")))]
+#[cfg(test)]
+#[cfg(not(target_arch = "wasm32"))]
 mod tests;
 
 pub use bounds::{Bounds, BoundsCache};

@@ -9,7 +9,8 @@ use bytemuck::{Pod, Zeroable};
 use nalgebra::Point3;
 
 use super::{
-    Camera, Frame, PointsDraw,
+    Frame, PointsDraw,
+    globals::Stage,
     gpu::{Color, Recipe, Sampled, Stream, fixed_buffer, shader},
 };
 
@@ -145,16 +146,7 @@ impl Points {
     }
 
     /// Uploads what is new, forgets what nobody holds, plans the picture.
-    pub(super) fn prepare(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        frame: &Frame,
-        camera: &Camera,
-        scene_center: &Point3<f64>,
-        size: [f64; 2],
-        pixels_per_point: f32,
-    ) {
+    pub(super) fn prepare(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, frame: &Frame, stage: &Stage<'_>) {
         let used = |cloud: &Uploaded| cloud.points.strong_count() > 0 && cloud.colors.strong_count() > 0;
         self.uploaded.retain(|_, entry| entry.as_ref().is_some_and(used));
         self.planned.clear();
@@ -163,19 +155,19 @@ impl Points {
             let key = key(draw);
             let entry = self.uploaded.entry(key).or_insert_with(|| Uploaded::new(device, draw));
             let Some(cloud) = entry.as_ref().filter(|_| draw.diameter_m.is_finite()) else { continue };
-            let diameter_px = f64::from(draw.diameter_m) / camera.m_per_px(&cloud.center, size);
+            let diameter_px = f64::from(draw.diameter_m) / stage.camera.m_per_px(&cloud.center, stage.size);
             let corners = match diameter_px {
                 px if px < 2.5 => 4,
                 px if px < 8.0 => 8,
                 _ => 16,
             };
-            let offset = (cloud.center - scene_center).map(|v| v as f32);
+            let offset = (cloud.center - stage.scene_center).map(|v| v as f32);
             // A polygon of n corners has the area of its circle if its radius is a little larger.
             let angle = std::f32::consts::TAU / corners as f32;
             let even = (angle / angle.sin()).sqrt();
             blocks.push(Block {
                 offset: [offset.x, offset.y, offset.z, draw.diameter_m / 2.0 * even],
-                shape: [corners as f32, LEAST_PX * pixels_per_point / 2.0 * even, 0.0, 0.0],
+                shape: [corners as f32, LEAST_PX * stage.pixels_per_point / 2.0 * even, 0.0, 0.0],
                 padding: [[0.0; 4]; 14],
             });
             self.planned.push((key, (blocks.len() as u32 - 1) * BLOCK as u32, corners));

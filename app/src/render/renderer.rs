@@ -5,7 +5,7 @@ use nalgebra::Point3;
 use super::{
     BoundsCache, Frame, Target, View,
     floor::Floor,
-    globals::{Extent, Globals},
+    globals::{Extent, Globals, Stage},
     gpu::{self, Stream},
     lighting::{Light, Lighting},
     lines::Lines,
@@ -138,10 +138,10 @@ impl Renderer {
             }));
         }
         let Some(globals) = &self.globals_group else { return };
-        let ppp = view.pixels_per_point;
+        let stage = Stage { camera, scene_center, size, pixels_per_point: view.pixels_per_point };
         self.meshes.prepare(device, queue, frame, &plan);
-        self.points.prepare(device, queue, frame, camera, &scene_center, size, ppp);
-        self.lines.prepare(device, queue, frame, camera, &scene_center, size, ppp);
+        self.points.prepare(device, queue, frame, &stage);
+        self.lines.prepare(device, queue, frame, &stage);
 
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("view") });
         let same = self.shadowed.as_ref().is_some_and(|(old_light, batches, casters)| {
