@@ -107,7 +107,7 @@ pub(super) fn title_of(name: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// From where the hand comes, seen by the robot: `from above`, `from the left, 30° down`.
+/// From where the hand comes, seen by the robot: `from above`, `from left, 30° down`.
 ///
 /// `X_WH` is the hand in the world; z of H is the approach direction. The robot stands at the origin and looks along
 /// +x, its left is +y.
@@ -121,10 +121,10 @@ pub(super) fn approach(X_WH: &Isometry3<f64>) -> String {
         return "from below".to_owned();
     }
     let side = match (z.x.abs() >= z.y.abs(), z.x >= 0.0, z.y >= 0.0) {
-        (true, true, _) => "from the front",
+        (true, true, _) => "from front",
         (true, false, _) => "from behind",
-        (false, _, true) => "from the right",
-        (false, _, false) => "from the left",
+        (false, _, true) => "from right",
+        (false, _, false) => "from left",
     };
     // Tens of degrees: finer would pretend that the sampling means more.
     let tens = (down_deg / 10.0).round() as i32 * 10;
@@ -148,7 +148,7 @@ pub(super) fn why(grasp: &Grasp, X_WO_start: Option<&Isometry3<f64>>) -> String 
         _ => None,
     };
     match (approach, comfort) {
-        (Some(approach), Some(comfort)) => format!("{approach}; {comfort}"),
+        (Some(approach), Some(comfort)) => format!("{comfort}; {approach}"),
         (Some(approach), None) => approach,
         (None, Some(comfort)) => comfort.to_owned(),
         (None, None) => "usable".to_owned(),
@@ -187,12 +187,12 @@ mod tests {
         // z_H turned by 180° about x points down: the hand comes from above.
         assert_eq!(approach(&towards(nalgebra::Vector3::x(), std::f64::consts::PI)), "from above");
         // z_H along +x: the hand moves away from the robot, so it comes from the robot's side, the front.
-        assert_eq!(approach(&towards(nalgebra::Vector3::y(), std::f64::consts::FRAC_PI_2)), "from the front");
+        assert_eq!(approach(&towards(nalgebra::Vector3::y(), std::f64::consts::FRAC_PI_2)), "from front");
         // z_H along -y: the hand comes from +y, the left.
-        assert_eq!(approach(&towards(nalgebra::Vector3::x(), std::f64::consts::FRAC_PI_2)), "from the left");
+        assert_eq!(approach(&towards(nalgebra::Vector3::x(), std::f64::consts::FRAC_PI_2)), "from left");
         assert_eq!(
             approach(&towards(nalgebra::Vector3::y(), std::f64::consts::FRAC_PI_2 + 0.52)),
-            "from the front, 30° down"
+            "from front, 30° down"
         );
     }
 }

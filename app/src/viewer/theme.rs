@@ -204,6 +204,7 @@ fn restyle(style: &mut egui::Style, tokens: &Tokens) {
         floating_width: 3.0,
         floating_allocated_width: 0.0,
         foreground_color: false,
+        fade: egui::style::ScrollFadeStyle { strength: 0.0, ..egui::style::ScrollFadeStyle::default() },
         ..egui::style::ScrollStyle::floating()
     };
     let visuals = &mut style.visuals;
