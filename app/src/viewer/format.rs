@@ -135,24 +135,25 @@ pub(super) fn approach(X_WH: &Isometry3<f64>) -> String {
     }
 }
 
-/// Why a grasp stands where it stands: the reason of a rejected one, the approach and the comfort of an accepted one.
+/// Why a grasp stands where it stands: the reason of a rejected one, the approach of an accepted one.
 pub(super) fn why(grasp: &Grasp, X_WO_start: Option<&Isometry3<f64>>) -> String {
     let reason = grasp.status.reason();
-    if !reason.is_empty() {
-        return reason;
+    match X_WO_start {
+        _ if !reason.is_empty() => reason,
+        Some(X_WO) => approach(&(X_WO * grasp.X_OH)),
+        None => "usable".to_owned(),
     }
-    let approach = X_WO_start.map(|X_WO| approach(&(X_WO * grasp.X_OH)));
-    let comfort = match (&grasp.start, &grasp.goal) {
-        (Some(start), Some(goal)) if goal.m_g > 1.15 * start.m_g => Some("easier at goal"),
-        (Some(start), Some(goal)) if goal.m_g < 0.75 * start.m_g => Some("strained at goal"),
-        _ => None,
-    };
-    match (approach, comfort) {
-        (Some(approach), Some(comfort)) => format!("{comfort}; {approach}"),
-        (Some(approach), None) => approach,
-        (None, Some(comfort)) => comfort.to_owned(),
-        (None, None) => "usable".to_owned(),
-    }
+}
+
+/// The end-comfort effect in words: how the mean manipulability at the goal compares with that at the start.
+pub(super) fn comfort(grasp: &Grasp) -> Option<String> {
+    let (start, goal) = (grasp.start.as_ref()?, grasp.goal.as_ref()?);
+    let ratio = if start.m_g > 0.0 { goal.m_g / start.m_g } else { return None };
+    Some(match ratio {
+        1.05.. => format!("{ratio:.2} × the start, easier at the goal"),
+        ..0.95 => format!("{ratio:.2} × the start, strained at the goal"),
+        _ => "as at the start".to_owned(),
+    })
 }
 
 #[cfg(test)]

@@ -46,10 +46,11 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         ui.add_space(16.0);
         let most = (window.height() - 220.0).max(180.0);
         let rows = state.demos.len().div_ceil(columns) as f32;
-        let wanted = (rows * (card_height(card.x) + GAP)).min(most);
+        let wanted = (rows * (card_height(card.x) + GAP) - GAP).min(most);
         egui::ScrollArea::vertical().max_height(most).min_scrolled_height(wanted).auto_shrink([false, true]).show(
             ui,
             |ui| {
+                ui.spacing_mut().item_spacing.y = GAP;
                 for row in state.demos.chunks(columns) {
                     ui.horizontal_top(|ui| {
                         ui.spacing_mut().item_spacing.x = GAP;
@@ -59,7 +60,6 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
                             }
                         }
                     });
-                    ui.add_space(GAP);
                 }
             },
         );

@@ -26,8 +26,8 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         let _row = key_value_colored(ui, "Rejected", &grasp.status.reason(), tokens.coral);
     }
     let _row = key_value(ui, "Contacts", &contacts(grasp)).on_hover_text(links(grasp));
-    if grasp.width_m > 0.0 {
-        let _row = key_value(ui, "Width between the contacts", &format::millimetres(grasp.width_m));
+    if let Some(comfort) = format::comfort(grasp) {
+        let _row = key_value(ui, "Manipulability at the goal", &comfort);
     }
     let at = state.selection.ik.map_or(default_situation(grasp), |ik| ik.at);
     if let Some(set) = at.of(grasp) {
@@ -47,7 +47,7 @@ fn contacts(grasp: &Grasp) -> String {
     let quality = if grasp.epsilon > 0.0 { format!("ε {:.2}", grasp.epsilon) } else { "no force closure".to_owned() };
     match grasp.contacts.len() {
         0 => "none".to_owned(),
-        count => format!("{count} · {quality}"),
+        count => format!("{count}, {} apart · {quality}", format::millimetres(grasp.width_m)),
     }
 }
 

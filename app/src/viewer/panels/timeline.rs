@@ -181,7 +181,7 @@ fn phases(ui: &Ui, plan: &Plan, track: Rect, duration_s: f64) {
     let mut taken: Vec<Rect> = Vec::new();
     for (_, bar, name) in names {
         let galley = ui.painter().layout_no_wrap(name.to_owned(), font(SMALL), tokens.secondary);
-        let left = bar.left().min(track.right() - galley.size().x);
+        let left = (bar.left() + 3.0).min(track.right() - galley.size().x);
         let rect = Rect::from_min_size(pos2(left, bar.bottom() + 3.0), galley.size());
         if taken.iter().all(|other| !other.expand2(vec2(8.0, 0.0)).intersects(rect)) {
             ui.painter().galley(rect.min, galley, tokens.secondary);

@@ -3,6 +3,7 @@
 mod behaviour;
 mod invented;
 mod pictures;
+mod view;
 
 use egui_kittest::Harness;
 
