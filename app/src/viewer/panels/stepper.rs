@@ -23,9 +23,12 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
             reason(ui, state.stage(stage));
         }
     }
-    if !state.running && state.refusal().is_none() && Stage::ALL.into_iter().any(|stage| state.is_stale(stage)) {
+    if !state.running
+        && state.refusal().is_none()
+        && Stage::ALL.into_iter().any(|stage| !matches!(state.stage(stage), StageState::Done { .. }))
+    {
         ui.add_space(6.0);
-        if secondary_button(ui, "Run again", true).clicked() {
+        if secondary_button(ui, "Run", true).clicked() {
             out.push(Command::Run);
         }
     }
@@ -115,7 +118,7 @@ fn badge(ui: &Ui, state: &ViewerState, index: usize, step: Step, centre: egui::P
     match step {
         Step::Play if state.playback.playing => disc(tokens.teal, Icon::Pause, tokens.on_teal),
         Step::Play if state.duration_s() > 0.0 => ring(tokens.teal, tokens.teal_text),
-        Step::Play => ring(tokens.line, tokens.secondary),
+        Step::Play => ring(tokens.faint, tokens.secondary),
         Step::Stage(stage) => match state.stage(stage) {
             StageState::Done { .. } => disc(tokens.teal, Icon::Check, tokens.on_teal),
             StageState::Refused(_) => disc(tokens.coral, Icon::Cross, tokens.view_edge),
@@ -128,7 +131,7 @@ fn badge(ui: &Ui, state: &ViewerState, index: usize, step: Step, centre: egui::P
                 painter.circle_stroke(centre, 9.25, Stroke::new(1.5, tokens.faint));
                 icons::paint(painter, Icon::Check, centre, 12.0, tokens.secondary);
             }
-            StageState::Waiting => ring(tokens.line, tokens.secondary),
+            StageState::Waiting => ring(tokens.faint, tokens.secondary),
         },
     }
 }

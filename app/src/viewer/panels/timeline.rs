@@ -33,7 +33,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
 fn empty(ui: &mut Ui, state: &ViewerState, rect: Rect) {
     let tokens = Tokens::of(ui);
     let text = match state.refusal() {
-        Some((stage, _)) => format!("No plan: {} was refused.", stage.title()),
+        Some((stage, _)) => format!("No plan: the step {} was refused; its reason stands beside it.", stage.title()),
         None if state.running => {
             let note = Stage::ALL.into_iter().find_map(|stage| match state.stage(stage) {
                 StageState::Running { note, .. } if note.is_empty() => Some(stage.title().to_owned()),
