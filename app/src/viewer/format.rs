@@ -75,7 +75,7 @@ pub(super) fn count(value: usize) -> String {
     let digits = value.to_string();
     let mut text = String::with_capacity(digits.len() + digits.len() / 3 * 3);
     for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i) % 3 == 0 {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
             text.push('\u{2009}');
         }
         text.push(digit);
@@ -107,7 +107,7 @@ pub(super) fn title_of(name: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
-/// From where the hand comes, seen by the robot: `from above`, `from the left, 30° down`.
+/// From where the hand comes, seen by the robot: `from above`, `from left, 30° down`.
 ///
 /// `X_WH` is the hand in the world; z of H is the approach direction. The robot stands at the origin and looks along
 /// +x, its left is +y.
@@ -121,10 +121,10 @@ pub(super) fn approach(X_WH: &Isometry3<f64>) -> String {
         return "from below".to_owned();
     }
     let side = match (z.x.abs() >= z.y.abs(), z.x >= 0.0, z.y >= 0.0) {
-        (true, true, _) => "from the front",
+        (true, true, _) => "from front",
         (true, false, _) => "from behind",
-        (false, _, true) => "from the right",
-        (false, _, false) => "from the left",
+        (false, _, true) => "from right",
+        (false, _, false) => "from left",
     };
     // Tens of degrees: finer would pretend that the sampling means more.
     let tens = (down_deg / 10.0).round() as i32 * 10;
@@ -135,24 +135,25 @@ pub(super) fn approach(X_WH: &Isometry3<f64>) -> String {
     }
 }
 
-/// Why a grasp stands where it stands: the reason of a rejected one, the approach and the comfort of an accepted one.
+/// Why a grasp stands where it stands: the reason of a rejected one, the approach of an accepted one.
 pub(super) fn why(grasp: &Grasp, X_WO_start: Option<&Isometry3<f64>>) -> String {
     let reason = grasp.status.reason();
-    if !reason.is_empty() {
-        return reason;
+    match X_WO_start {
+        _ if !reason.is_empty() => reason,
+        Some(X_WO) => approach(&(X_WO * grasp.X_OH)),
+        None => "usable".to_owned(),
     }
-    let approach = X_WO_start.map(|X_WO| approach(&(X_WO * grasp.X_OH)));
-    let comfort = match (&grasp.start, &grasp.goal) {
-        (Some(start), Some(goal)) if goal.m_g > 1.15 * start.m_g => Some("easier at goal"),
-        (Some(start), Some(goal)) if goal.m_g < 0.75 * start.m_g => Some("strained at goal"),
-        _ => None,
-    };
-    match (approach, comfort) {
-        (Some(approach), Some(comfort)) => format!("{approach}; {comfort}"),
-        (Some(approach), None) => approach,
-        (None, Some(comfort)) => comfort.to_owned(),
-        (None, None) => "usable".to_owned(),
-    }
+}
+
+/// The end-comfort effect in words: how the mean manipulability at the goal compares with that at the start.
+pub(super) fn comfort(grasp: &Grasp) -> Option<String> {
+    let (start, goal) = (grasp.start.as_ref()?, grasp.goal.as_ref()?);
+    let ratio = if start.m_g > 0.0 { goal.m_g / start.m_g } else { return None };
+    Some(match ratio {
+        1.05.. => format!("{ratio:.2} × the start, easier at the goal"),
+        ..0.95 => format!("{ratio:.2} × the start, strained at the goal"),
+        _ => "as at the start".to_owned(),
+    })
 }
 
 #[cfg(test)]
@@ -187,12 +188,12 @@ mod tests {
         // z_H turned by 180° about x points down: the hand comes from above.
         assert_eq!(approach(&towards(nalgebra::Vector3::x(), std::f64::consts::PI)), "from above");
         // z_H along +x: the hand moves away from the robot, so it comes from the robot's side, the front.
-        assert_eq!(approach(&towards(nalgebra::Vector3::y(), std::f64::consts::FRAC_PI_2)), "from the front");
+        assert_eq!(approach(&towards(nalgebra::Vector3::y(), std::f64::consts::FRAC_PI_2)), "from front");
         // z_H along -y: the hand comes from +y, the left.
-        assert_eq!(approach(&towards(nalgebra::Vector3::x(), std::f64::consts::FRAC_PI_2)), "from the left");
+        assert_eq!(approach(&towards(nalgebra::Vector3::x(), std::f64::consts::FRAC_PI_2)), "from left");
         assert_eq!(
             approach(&towards(nalgebra::Vector3::y(), std::f64::consts::FRAC_PI_2 + 0.52)),
-            "from the front, 30° down"
+            "from front, 30° down"
         );
     }
 }

@@ -95,9 +95,9 @@ pub(super) fn paint(painter: &Painter, icon: Icon, centre: Pos2, size: f32, colo
             }
         }
         Icon::Moon => {
-            let mut points = pen.arc_points((8.0, 8.0), 5.6, -60.0, 150.0);
-            let mut inner = pen.arc_points((10.6, 5.4), 4.9, 160.0, -70.0);
-            points.append(&mut inner);
+            // A disc of radius 5.6 bitten by one of 4.6; the angles are those where the two circles meet.
+            let mut points = pen.arc_points((7.6, 8.4), 5.6, 9.3, 260.7);
+            points.append(&mut pen.arc_points((10.4, 5.6), 4.6, 216.3, 53.7));
             pen.painter.add(Shape::closed_line(points, pen.stroke()));
         }
         Icon::Help => {

@@ -31,7 +31,7 @@ impl Layout {
         let timeline = Rect::from_min_max(pos2(inner.left(), inner.bottom() - TIMELINE), inner.max);
         let (y0, y1) = (top.bottom() + MARGIN, timeline.top() - MARGIN);
         let widest = inner.width();
-        let left_width = if is_narrow { 256.0 } else { (0.172 * window.width()).max(226.0).min(248.0) };
+        let left_width: f32 = if is_narrow { 256.0 } else { 248.0 };
         let right_width = if is_narrow { 392.0 } else { (0.3125 * window.width()).max(344.0).min(408.0) };
         let left = Rect::from_min_max(pos2(inner.left(), y0), pos2(inner.left() + left_width.min(widest), y1));
         let right = Rect::from_min_max(pos2(inner.right() - right_width.min(widest), y0), pos2(inner.right(), y1));

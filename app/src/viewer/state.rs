@@ -290,6 +290,13 @@ impl ViewerState {
         self.selection.grasp.and_then(|id| self.outputs.candidate(id))
     }
 
+    /// How many joints the planned arm has: as many as its grasp's IK solutions, seven if those are not there.
+    pub(super) fn arm_joint_count(&self) -> usize {
+        let grasp = self.outputs.plan.as_ref().map(|plan| &plan.grasp);
+        let solution = grasp.and_then(|grasp| grasp.start.as_ref()).and_then(|start| start.solutions.first());
+        solution.map_or(7, Vec::len)
+    }
+
     /// Whether there is an edit to undo.
     pub fn can_undo(&self) -> bool {
         self.history.can_undo()
@@ -356,7 +363,7 @@ impl ViewerState {
             Column::Goal => rows.sort_by(|&a, &b| m_g(&grasps[b].goal).total_cmp(&m_g(&grasps[a].goal))),
             Column::Solutions => rows.sort_by_key(|&row| std::cmp::Reverse(solutions(&grasps[row]))),
             Column::Epsilon => rows.sort_by(|&a, &b| grasps[b].epsilon.total_cmp(&grasps[a].epsilon)),
-            Column::Why => rows.sort_by_key(|&row| grasps[row].status.reason()),
+            Column::Why => rows.sort_by_cached_key(|&row| grasps[row].status.reason()),
         }
         if self.table.reversed {
             rows.reverse();

@@ -25,7 +25,7 @@ pub(super) const SECONDARY: f32 = 12.0;
 /// Size of small headings and captions, points.
 pub(super) const SMALL: f32 = 11.0;
 
-/// The colours of a theme; `shared` names stay the same, values differ.
+/// The colours of a theme: the same names in both, other values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tokens {
     /// Background of the view at its centre.
@@ -204,6 +204,7 @@ fn restyle(style: &mut egui::Style, tokens: &Tokens) {
         floating_width: 3.0,
         floating_allocated_width: 0.0,
         foreground_color: false,
+        fade: egui::style::ScrollFadeStyle { strength: 0.0, ..egui::style::ScrollFadeStyle::default() },
         ..egui::style::ScrollStyle::floating()
     };
     let visuals = &mut style.visuals;

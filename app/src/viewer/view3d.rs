@@ -16,6 +16,8 @@ use crate::render::{Bounds, BoundsCache, Camera, Named, Picker, Quality, Rendere
 
 /// Radians per point of dragging: a drag over 600 points turns by half a turn.
 const TURN: f64 = std::f64::consts::PI / 600.0;
+/// How long everything has to be still before a draft is drawn in full, seconds.
+const SETTLE_S: f64 = 0.2;
 /// How long the camera travels to a named view, seconds.
 const TRAVEL_S: f64 = 0.35;
 
@@ -23,6 +25,10 @@ const TRAVEL_S: f64 = 0.35;
 pub(super) struct View3d {
     gpu: RenderState,
     renderer: Renderer,
+    /// What this adapter can draw on every frame.
+    while_moving: Quality,
+    /// When a draft is to be drawn once more in full, if nothing moves until then.
+    settles_at_s: Option<f64>,
     target: Target,
     texture: egui::TextureId,
     camera: Camera,
@@ -56,14 +62,15 @@ struct Drawn {
 impl View3d {
     /// A view that draws with the window's or the page's device.
     pub(super) fn new(gpu: &RenderState) -> Self {
-        let mut renderer = Renderer::new(&gpu.device, &gpu.queue);
-        renderer.set_quality(Quality::while_moving(&gpu.adapter.get_info()));
+        let renderer = Renderer::new(&gpu.device, &gpu.queue);
         let target = Target::new(&gpu.device, [1, 1]);
         let texture =
             gpu.renderer.write().register_native_texture(&gpu.device, target.color_view(), wgpu::FilterMode::Linear);
         Self {
             gpu: gpu.clone(),
             renderer,
+            while_moving: Quality::while_moving(&gpu.adapter.get_info()),
+            settles_at_s: None,
             target,
             texture,
             camera: Camera::default(),
@@ -123,9 +130,17 @@ impl View3d {
         let size_px = [rect.width(), rect.height()].map(|side| (side * pixels_per_point).round().max(1.0) as u32);
         let theme = if dark { Theme::Dark } else { Theme::Light };
         let wanted = Drawn { camera: self.camera, size_px, theme };
+        let now_s = ui.input(|input| input.time);
         if is_new || self.drawn.as_ref() != Some(&wanted) {
-            self.draw(&wanted, pixels_per_point);
+            self.draw(&wanted, pixels_per_point, self.while_moving);
             self.drawn = Some(wanted);
+            self.settles_at_s = (self.while_moving != Quality::Live).then_some(now_s + SETTLE_S);
+        } else if self.settles_at_s.is_some_and(|at_s| now_s >= at_s) {
+            self.draw(&wanted, pixels_per_point, Quality::Live);
+            self.settles_at_s = None;
+        }
+        if let Some(at_s) = self.settles_at_s {
+            ui.ctx().request_repaint_after_secs((at_s - now_s).max(0.0) as f32);
         }
         let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
         ui.painter().image(self.texture, rect, whole, Color32::WHITE);
@@ -134,7 +149,8 @@ impl View3d {
         commands
     }
 
-    fn draw(&mut self, wanted: &Drawn, pixels_per_point: f32) {
+    fn draw(&mut self, wanted: &Drawn, pixels_per_point: f32, quality: Quality) {
+        self.renderer.set_quality(quality);
         let gpu = &self.gpu;
         if self.target.resize(&gpu.device, wanted.size_px) {
             gpu.renderer.write().update_egui_texture_from_wgpu_texture(

@@ -65,9 +65,9 @@ fn parameters(ui: &mut Ui, fit: &Fit) {
     let _row = key_value(ui, "Centre", &at(&superquadric.X_FS.translation.vector.into()));
     let _row = key_value(ui, "Volume", &format::volume(fit.volume_m3));
     section(ui, "How well it fits");
-    let _row = key_value(ui, "Mean radial distance", &format::length(fit.radial_m));
-    let _row = key_value(ui, "Goodness, as printed", &format::significant(fit.goodness_of_fit));
-    let _row = key_value(ui, "Goodness, as in the tables", &format::significant(fit.goodness_of_fit_abs));
+    let _row = key_value(ui, "E_r, mean radial distance", &format::length(fit.radial_m));
+    let _row = key_value(ui, "E_g (3.9), mean (f^e1 – 1)²", &format::significant(fit.goodness_of_fit));
+    let _row = key_value(ui, "E_g of the tables, mean |f – 1|", &format::significant(fit.goodness_of_fit_abs));
     let points = format!("{} of {}", format::count(fit.used_points), format::count(fit.points));
     let _row = key_value(ui, "Points used, after thinning", &points);
     if !fit.mirrored.is_empty() {

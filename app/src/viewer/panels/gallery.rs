@@ -45,28 +45,42 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         });
         ui.add_space(16.0);
         let most = (window.height() - 220.0).max(180.0);
-        egui::ScrollArea::vertical().max_height(most).auto_shrink([false, true]).show(ui, |ui| {
-            for row in state.demos.chunks(columns) {
-                ui.horizontal_top(|ui| {
-                    ui.spacing_mut().item_spacing.x = GAP;
-                    for demo in row {
-                        if show_card(ui, state, demo, card.x) {
-                            out.push(Command::OpenDemo(demo.name.clone()));
+        let rows = state.demos.len().div_ceil(columns) as f32;
+        let wanted = (rows * (card_height(card.x) + GAP) - GAP).min(most);
+        egui::ScrollArea::vertical().max_height(most).min_scrolled_height(wanted).auto_shrink([false, true]).show(
+            ui,
+            |ui| {
+                ui.spacing_mut().item_spacing.y = GAP;
+                for row in state.demos.chunks(columns) {
+                    ui.horizontal_top(|ui| {
+                        ui.spacing_mut().item_spacing.x = GAP;
+                        for demo in row {
+                            if show_card(ui, state, demo, card.x) {
+                                out.push(Command::OpenDemo(demo.name.clone()));
+                            }
                         }
-                    }
-                });
-                ui.add_space(GAP);
-            }
-        });
+                    });
+                }
+            },
+        );
     });
     if modal.should_close() {
         out.push(Command::Show(Overlay::None));
     }
 }
 
+fn picture_height(card_width: f32) -> f32 {
+    (0.6 * card_width).round()
+}
+
+/// Picture, title, three lines, foot.
+fn card_height(width: f32) -> f32 {
+    picture_height(width) + 126.0
+}
+
 fn show_card(ui: &mut Ui, state: &ViewerState, demo: &Demo, width: f32) -> bool {
     let tokens = Tokens::of(ui);
-    let picture_height = (width * 0.6).round();
+    let picture_height = picture_height(width);
     let text_width = width - 28.0;
     let summary = {
         let mut job =
@@ -74,7 +88,7 @@ fn show_card(ui: &mut Ui, state: &ViewerState, demo: &Demo, width: f32) -> bool 
         job.wrap.max_rows = 3;
         ui.painter().layout_job(job)
     };
-    let height = picture_height + 14.0 + 22.0 + 54.0 + 28.0 + 8.0;
+    let height = card_height(width);
     let (rect, response) = ui.allocate_exact_size(vec2(width, height), Sense::click());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Open {}", demo.scene.title)));
     let lit = response.hovered();

@@ -13,7 +13,9 @@ use crate::viewer::widgets::{
 use crate::viewer::{Command, ViewerState, format};
 
 /// Height that the details want, points.
-pub(super) const HEIGHT: f32 = 318.0;
+pub(super) fn height(grasp: &Grasp) -> f32 {
+    if grasp.status == GraspStatus::Accepted { 244.0 } else { 236.0 }
+}
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     let Some(grasp) = state.selected_grasp() else { return };
@@ -24,8 +26,8 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         let _row = key_value_colored(ui, "Rejected", &grasp.status.reason(), tokens.coral);
     }
     let _row = key_value(ui, "Contacts", &contacts(grasp)).on_hover_text(links(grasp));
-    if grasp.width_m > 0.0 {
-        let _row = key_value(ui, "Width between the contacts", &format::millimetres(grasp.width_m));
+    if let Some(comfort) = format::comfort(grasp) {
+        let _row = key_value(ui, "Manipulability at the goal", &comfort);
     }
     let at = state.selection.ik.map_or(default_situation(grasp), |ik| ik.at);
     if let Some(set) = at.of(grasp) {
@@ -45,7 +47,7 @@ fn contacts(grasp: &Grasp) -> String {
     let quality = if grasp.epsilon > 0.0 { format!("ε {:.2}", grasp.epsilon) } else { "no force closure".to_owned() };
     match grasp.contacts.len() {
         0 => "none".to_owned(),
-        count => format!("{count} · {quality}"),
+        count => format!("{count}, {} apart · {quality}", format::millimetres(grasp.width_m)),
     }
 }
 
@@ -62,7 +64,7 @@ fn default_situation(grasp: &Grasp) -> Situation {
 /// Which IK set, a way through its solutions, and the histogram of their manipulability.
 fn solutions(ui: &mut Ui, state: &ViewerState, grasp: &Grasp, at: Situation, set: &Situated, out: &mut Out) {
     let tokens = Tokens::of(ui);
-    ui.add_space(8.0);
+    ui.add_space(5.0);
     ui.horizontal(|ui| {
         if grasp.start.is_some() && grasp.goal.is_some() {
             let chosen = Some(usize::from(at == Situation::Goal));
@@ -115,7 +117,7 @@ fn stepping(ui: &mut Ui, state: &ViewerState, at: Situation, count: usize, out: 
 fn histogram(ui: &mut Ui, set: &Situated, at: Situation, chosen: Option<f64>) {
     const BARS: usize = 14;
     let tokens = Tokens::of(ui);
-    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 78.0), Sense::hover());
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 74.0), Sense::hover());
     let plot = Rect::from_min_max(rect.min, pos2(rect.left() + 0.58 * rect.width(), rect.bottom() - 16.0));
     let top = set.manipulability.iter().copied().filter(|m| m.is_finite()).fold(1e-6, f64::max);
     let bin = |m: f64| ((m / top * BARS as f64) as usize).min(BARS - 1);

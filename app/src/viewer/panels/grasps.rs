@@ -41,10 +41,11 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, stage: Stage, out: &mut Out
     filter(ui, state, accepted, grasps.len(), out);
     ui.add_space(4.0);
 
-    // The table takes what the details leave, and never less than five rows if there is room.
+    // The table takes what the details leave, and never less than four rows and a half.
     let rest = ui.available_rect_before_wrap();
-    let wanted = if state.selected_grasp().is_some() { grasp::HEIGHT } else { 0.0 };
-    let details = wanted.min((rest.height() - 166.0).max(0.0));
+    let wanted = state.selected_grasp().map_or(0.0, grasp::height);
+    let left = (rest.height() - 141.0).max(0.0);
+    let details = if left < 0.5 * wanted { 0.0 } else { wanted.min(left) };
     let split = rest.bottom() - details;
     let upper = Rect::from_min_max(rest.min, pos2(rest.right(), split - if details > 0.0 { 6.0 } else { 0.0 }));
     let mut inside = ui.new_child(UiBuilder::new().id_salt("table").max_rect(upper));

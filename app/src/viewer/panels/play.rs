@@ -25,10 +25,13 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     if let Some(clearance_m) = playback::clearance_at(plan, time_s) {
         let _row = key_value(ui, "Clearance", &format::length(clearance_m));
     }
-    section(ui, "Joints of the arm and the hand");
-    for (index, position) in phase.trajectory.at(time_s - phase.start_s).iter().enumerate() {
+    section(ui, "Joints of the arm, from shoulder to wrist");
+    let positions = phase.trajectory.at(time_s - phase.start_s);
+    // The trajectory's first columns are the arm's joints, all of them revolute; the hand's follow.
+    let arm = state.arm_joint_count().min(positions.len());
+    for (index, position) in positions.iter().take(arm).enumerate() {
         let text = format!("{:.1}°  ·  {position:.3} rad", position.to_degrees());
-        let _row = key_value(ui, &format!("{}", index + 1), &text);
+        let _row = key_value(ui, &format!("Joint {}", index + 1), &text);
     }
     ui.add_space(10.0);
     let word = if state.playback.playing { "Pause" } else { "Play" };

@@ -9,7 +9,7 @@ use crate::viewer::format;
 use crate::viewer::icons::{self, Icon};
 use crate::viewer::state::{StageState, Step};
 use crate::viewer::theme::{BODY, SECONDARY, Tokens, font, strong};
-use crate::viewer::widgets::{focus_ring, paragraph, secondary_button, text_in};
+use crate::viewer::widgets::{focus_ring, icon_button_at, paragraph, secondary_button, text_in};
 use crate::viewer::{Command, ViewerState};
 
 const ROW: f32 = 32.0;
@@ -20,17 +20,15 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     for (index, step) in Step::ALL.into_iter().enumerate() {
         row(ui, state, index, step, out);
         if let Step::Stage(stage) = step {
-            below(ui, state.stage(stage));
+            reason(ui, state.stage(stage));
         }
     }
-    if state.running {
+    if !state.running
+        && state.refusal().is_none()
+        && Stage::ALL.into_iter().any(|stage| !matches!(state.stage(stage), StageState::Done { .. }))
+    {
         ui.add_space(6.0);
-        if secondary_button(ui, "Cancel", true).clicked() {
-            out.push(Command::Cancel);
-        }
-    } else if Stage::ALL.into_iter().any(|stage| state.is_stale(stage)) && state.refusal().is_none() {
-        ui.add_space(6.0);
-        if secondary_button(ui, "Run again", true).clicked() {
+        if secondary_button(ui, "Run", true).clicked() {
             out.push(Command::Run);
         }
     }
@@ -52,11 +50,24 @@ fn row(ui: &mut Ui, state: &ViewerState, index: usize, step: Step, out: &mut Out
     let title_right = rect.left() + 30.0 + galley.size().x;
     ui.painter().galley(pos2(rect.left() + 30.0, rect.center().y - 0.5 * galley.size().y), galley, tokens.text);
     let (outcome, color) = outcome(state, step, tokens);
-    let rest = Rect::from_min_max(pos2(title_right + 10.0, rect.top()), rect.max);
+    // The step that is computed, or that comes next, carries the way out.
+    let next = Stage::ALL.into_iter().find(|&stage| !matches!(state.stage(stage), StageState::Done { .. }));
+    let is_next = state.running && next.is_some_and(|stage| step == Step::Stage(stage));
+    let right = if is_next { rect.right() - 24.0 } else { rect.right() };
+    let rest = Rect::from_min_max(pos2(title_right + 10.0, rect.top()), pos2(right, rect.bottom()));
     if !outcome.is_empty() {
         let _text = text_in(ui, rest, Align::Max, &outcome, font(SECONDARY), color);
     }
+    if let Step::Stage(stage) = step {
+        progress(ui, state.stage(stage), rect);
+    }
     focus_ring(ui, &response, full);
+    if is_next {
+        let cross = Rect::from_center_size(pos2(rect.right() - 8.0, rect.center().y), vec2(22.0, 22.0));
+        if icon_button_at(ui, cross, Icon::Cross, "Cancel", true).clicked() {
+            out.push(Command::Cancel);
+        }
+    }
     response.widget_info(|| {
         let word = match step {
             Step::Stage(stage) => word(state.stage(stage)),
@@ -69,27 +80,27 @@ fn row(ui: &mut Ui, state: &ViewerState, index: usize, step: Step, out: &mut Out
     }
 }
 
-/// What stands under the row: the progress while a stage runs, the reason when it is refused.
-fn below(ui: &mut Ui, stage: &StageState) {
+/// How far a running stage is, along the foot of its row.
+fn progress(ui: &Ui, stage: &StageState, row: Rect) {
+    let StageState::Running { fraction, .. } = stage else { return };
     let tokens = Tokens::of(ui);
-    match stage {
-        StageState::Running { fraction, .. } => {
-            let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 5.0), Sense::hover());
-            let track = Rect::from_min_max(pos2(rect.left() + 30.0, rect.top()), pos2(rect.right(), rect.top() + 3.0));
-            ui.painter().rect_filled(track, 1.5, tokens.well);
-            let mut done = track;
-            done.set_width(track.width() * *fraction as f32);
-            ui.painter().rect_filled(done, 1.5, tokens.teal);
-        }
-        StageState::Refused(refusal) => {
-            ui.horizontal_top(|ui| {
-                ui.add_space(22.0);
-                let _text = paragraph(ui, &refusal.message, SECONDARY, tokens.coral);
-            });
-            ui.add_space(6.0);
-        }
-        StageState::Waiting | StageState::Done { .. } | StageState::Stale => {}
-    }
+    let track = Rect::from_min_max(pos2(row.left() + 30.0, row.bottom() - 4.0), pos2(row.right(), row.bottom() - 1.0));
+    ui.painter().rect_filled(track, 1.5, tokens.well);
+    let mut done = track;
+    done.set_width(track.width() * *fraction as f32);
+    ui.painter().rect_filled(done, 1.5, tokens.teal);
+}
+
+/// The reason of a refused stage, under its row.
+fn reason(ui: &mut Ui, stage: &StageState) {
+    let StageState::Refused(refusal) = stage else { return };
+    let tokens = Tokens::of(ui);
+    ui.horizontal_top(|ui| {
+        ui.spacing_mut().item_spacing.x = 0.0;
+        ui.add_space(30.0);
+        let _text = paragraph(ui, &refusal.message, SECONDARY, tokens.coral);
+    });
+    ui.add_space(6.0);
 }
 
 fn badge(ui: &Ui, state: &ViewerState, index: usize, step: Step, centre: egui::Pos2) {
@@ -107,7 +118,7 @@ fn badge(ui: &Ui, state: &ViewerState, index: usize, step: Step, centre: egui::P
     match step {
         Step::Play if state.playback.playing => disc(tokens.teal, Icon::Pause, tokens.on_teal),
         Step::Play if state.duration_s() > 0.0 => ring(tokens.teal, tokens.teal_text),
-        Step::Play => ring(tokens.line, tokens.secondary),
+        Step::Play => ring(tokens.faint, tokens.secondary),
         Step::Stage(stage) => match state.stage(stage) {
             StageState::Done { .. } => disc(tokens.teal, Icon::Check, tokens.on_teal),
             StageState::Refused(_) => disc(tokens.coral, Icon::Cross, tokens.view_edge),
@@ -120,7 +131,7 @@ fn badge(ui: &Ui, state: &ViewerState, index: usize, step: Step, centre: egui::P
                 painter.circle_stroke(centre, 9.25, Stroke::new(1.5, tokens.faint));
                 icons::paint(painter, Icon::Check, centre, 12.0, tokens.secondary);
             }
-            StageState::Waiting => ring(tokens.line, tokens.secondary),
+            StageState::Waiting => ring(tokens.faint, tokens.secondary),
         },
     }
 }

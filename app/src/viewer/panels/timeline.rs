@@ -32,19 +32,19 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
 /// No plan: the reason, or what is going on.
 fn empty(ui: &mut Ui, state: &ViewerState, rect: Rect) {
     let tokens = Tokens::of(ui);
-    let (text, color) = match state.refusal() {
-        Some((stage, refusal)) => (format!("No plan. {}: {}", stage.title(), refusal.message), tokens.coral),
+    let text = match state.refusal() {
+        Some((stage, _)) => format!("No plan: the step {} was refused; its reason stands beside it.", stage.title()),
         None if state.running => {
             let note = Stage::ALL.into_iter().find_map(|stage| match state.stage(stage) {
                 StageState::Running { note, .. } if note.is_empty() => Some(stage.title().to_owned()),
                 StageState::Running { note, .. } => Some(format!("{}: {note}", stage.title())),
                 _ => None,
             });
-            (note.unwrap_or_else(|| "The pipeline runs.".to_owned()), tokens.secondary)
+            note.unwrap_or_else(|| "The pipeline runs.".to_owned())
         }
-        None => ("No plan yet.".to_owned(), tokens.secondary),
+        None => "No plan yet.".to_owned(),
     };
-    let _text = text_in(ui, rect, Align::Center, &text, font(BODY), color);
+    let _text = text_in(ui, rect, Align::Center, &text, font(BODY), tokens.secondary);
 }
 
 fn controls(ui: &mut Ui, state: &ViewerState, plan: &Plan, row: Rect, pointed: Option<f64>, out: &mut Out) {
@@ -107,7 +107,7 @@ fn values(ui: &Ui, plan: &Plan, time_s: f64, rect: Rect) {
     let tokens = Tokens::of(ui);
     let mut parts: Vec<(String, FontId, Color32)> = Vec::new();
     let mut say = |words: &str, value: String| {
-        let joint = if parts.is_empty() { "" } else { "  ·  " };
+        let joint = if parts.is_empty() || words == "of" { " " } else { "  ·  " };
         parts.push((format!("{joint}{words} "), font(SECONDARY), tokens.secondary));
         parts.push((value, strong(SECONDARY), tokens.text));
     };
@@ -118,6 +118,7 @@ fn values(ui: &Ui, plan: &Plan, time_s: f64, rect: Rect) {
     }
     if let Some(m) = playback::manipulability_at(plan, time_s) {
         say("m(q)", format::manipulability(m));
+        say("of", format::manipulability(highest(plan)));
     }
     if let Some(clearance_m) = playback::clearance_at(plan, time_s) {
         say("clearance", format::length(clearance_m));
@@ -127,6 +128,12 @@ fn values(ui: &Ui, plan: &Plan, time_s: f64, rect: Rect) {
         let drawn = ui.painter().text(pos2(right, rect.center().y), Align2::RIGHT_CENTER, text, id, color);
         right = drawn.left();
     }
+}
+
+/// The largest manipulability of the plan: the top of the curve.
+fn highest(plan: &Plan) -> f64 {
+    let values = plan.phases.iter().flat_map(|phase| &phase.manipulability);
+    values.copied().filter(|m| m.is_finite()).fold(1e-6, f64::max)
 }
 
 fn x_of(track: Rect, time_s: f64, duration_s: f64) -> f32 {
@@ -163,8 +170,10 @@ fn phases(ui: &Ui, plan: &Plan, track: Rect, duration_s: f64) {
         let length_s = phase.trajectory.duration_s();
         let x0 = x_of(track, phase.start_s, duration_s);
         let x1 = x_of(track, phase.start_s + length_s, duration_s);
+        // A gap of four points between bars; the first and the last one reach the ends.
         let inset = (0.25 * (x1 - x0)).min(2.0);
-        let bar = Rect::from_min_max(pos2(x0 + inset, track.top()), pos2(x1 - inset, track.top() + BARS));
+        let (left, right) = ((x0 - track.left()).min(inset), (track.right() - x1).min(inset));
+        let bar = Rect::from_min_max(pos2(x0 + left, track.top()), pos2(x1 - right, track.top() + BARS));
         ui.painter().rect_filled(bar, 3.0, color(phase.kind, tokens));
         names.push((length_s, bar, phase.kind.name()));
     }
@@ -172,7 +181,7 @@ fn phases(ui: &Ui, plan: &Plan, track: Rect, duration_s: f64) {
     let mut taken: Vec<Rect> = Vec::new();
     for (_, bar, name) in names {
         let galley = ui.painter().layout_no_wrap(name.to_owned(), font(SMALL), tokens.secondary);
-        let left = bar.left().min(track.right() - galley.size().x);
+        let left = (bar.left() + 3.0).min(track.right() - galley.size().x);
         let rect = Rect::from_min_size(pos2(left, bar.bottom() + 3.0), galley.size());
         if taken.iter().all(|other| !other.expand2(vec2(8.0, 0.0)).intersects(rect)) {
             ui.painter().galley(rect.min, galley, tokens.secondary);
@@ -190,7 +199,7 @@ fn curve(ui: &Ui, state: &ViewerState, plan: &Plan, track: Rect, pointed: Option
         phase.trajectory.times_s.iter().zip(&phase.manipulability).map(|(&t, &m)| (phase.start_s + t, m))
     });
     let samples: Vec<(f64, f64)> = samples.filter(|(_, m)| m.is_finite()).collect();
-    let top = samples.iter().map(|&(_, m)| m).fold(1e-6, f64::max);
+    let top = highest(plan);
     let y_of = |m: f64| area.bottom() - area.height() * (m / top).max(0.0) as f32 * 0.94;
     let mut points: Vec<Pos2> = Vec::with_capacity(samples.len());
     for &(t, m) in &samples {
@@ -203,9 +212,6 @@ fn curve(ui: &Ui, state: &ViewerState, plan: &Plan, track: Rect, pointed: Option
     if points.len() > 1 {
         ui.painter().add(Shape::line(points, Stroke::new(1.75, tokens.teal)));
     }
-    let caption = format!("m(q), top {}", format::manipulability(top));
-    let at = pos2(area.left(), area.top() + 1.0);
-    let _rect = ui.painter().text(at, Align2::LEFT_TOP, caption, font(SMALL), tokens.secondary);
     if let Some(time_s) = pointed {
         let x = x_of(track, time_s, duration_s);
         ui.painter().vline(x, track.y_range(), Stroke::new(1.0, tokens.faint));

@@ -146,18 +146,19 @@ fn seed_field(ui: &mut Ui, seed: u64, out: &mut Out) {
     let id = ui.scope_id().with("Seed");
     let kept: Option<String> = ui.data(|data| data.get_temp(id));
     let mut text = kept.unwrap_or_else(|| seed.to_string());
-    let (rect, _) = ui.allocate_exact_size(vec2(54.0, 26.0), Sense::hover());
+    let (rect, _) = ui.allocate_exact_size(vec2(60.0, 28.0), Sense::hover());
     ui.painter().rect_filled(rect, SMALL_RADIUS, tokens.well);
     let field = TextEdit::singleline(&mut text)
         .id(id.with("field"))
         .font(font(BODY))
         .text_color(tokens.text)
         .frame(egui::Frame::NONE)
-        .margin(egui::Margin::symmetric(8, 4))
-        .align(egui::Align2::RIGHT_CENTER)
+        .margin(egui::Margin::ZERO)
+        .align(egui::Align2::LEFT_CENTER)
         .char_limit(20)
-        .desired_width(38.0);
-    let response = ui.place(Rect::from_center_size(rect.center(), vec2(54.0, 24.0)), field);
+        .desired_width(44.0);
+    let response = ui.place(Rect::from_center_size(rect.center(), vec2(44.0, 20.0)), field);
+    ui.add_space(6.0);
     let name = ui.label(egui::RichText::new("seed").font(font(BODY)).color(tokens.secondary));
     let response = response.labelled_by(name.id);
     focus_ring(ui, &response, rect);

@@ -3,6 +3,7 @@
 mod behaviour;
 mod invented;
 mod pictures;
+mod view;
 
 use egui_kittest::Harness;
 
@@ -37,6 +38,6 @@ fn page(state: ViewerState, size: [f32; 2], theme: egui::Theme) -> Harness<'stat
         .with_size(size)
         .with_theme(theme)
         .with_max_steps(24)
-        .with_context_setup(|ctx| theme::install(ctx))
+        .with_context_setup(theme::install)
         .build_ui_state(|ui, page: &mut Page| page.show(ui), page)
 }
