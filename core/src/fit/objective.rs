@@ -74,12 +74,22 @@ pub(crate) struct Objective<'a> {
     points: &'a WeightedPoints,
     /// The table in D, and the weight of standing on it as a share of the points' total weight.
     table: Option<(Plane, f64)>,
+    /// Half extents of the cloud that the semi-axes are drawn to, and the weight as a share of the points' total.
+    drawn_to: Option<([f64; 3], f64)>,
 }
 
 impl<'a> Objective<'a> {
     /// The radial distances of `points`, and `table` with its weight relative to all points together.
     pub(crate) fn new(points: &'a WeightedPoints, table: Option<(Plane, f64)>) -> Self {
-        Self { points, table }
+        Self { points, table, drawn_to: None }
+    }
+
+    /// The same with semi-axes drawn towards these lengths, metres.
+    ///
+    /// An open side says nothing about how far the shape goes on; among shapes that explain the points alike, this
+    /// prefers the small one (the thesis's scale factors `√(abc)` are there for the same reason).
+    pub(crate) fn drawn_to(self, semi_axes: [f64; 3], share: f64) -> Self {
+        Self { drawn_to: Some((semi_axes, share)), ..self }
     }
 
     /// Sum of the weights: the cost over this is a mean square, metres squared.
@@ -99,6 +109,13 @@ impl<'a> Objective<'a> {
         if let Some((plane, share)) = &self.table {
             let (residual, row) = standing_row(candidate, plane);
             equations.add_row(residual, &row, share * self.points.total_weight);
+        }
+        if let Some((semi_axes, share)) = &self.drawn_to {
+            for (k, target) in semi_axes.iter().enumerate() {
+                let mut row = [0.0; UNKNOWNS];
+                row[k] = 1.0;
+                equations.add_row(candidate.values[k] - target, &row, share * self.points.total_weight);
+            }
         }
         equations
     }

@@ -8,7 +8,7 @@ use super::levenberg_marquardt::{Limits, Minimum, StopReason, minimise};
 use super::metrics::fit_errors;
 use super::mirror::{Mirroring, PASS_M, mirror};
 use super::objective::{Objective, WeightedPoints};
-use super::starts::{Start, Surroundings, bounds, similar, starts};
+use super::starts::{Start, Surroundings, bounds, half_extents, similar, starts};
 use super::thin::{every_nth, sorted, voxel_centroids};
 use super::types::{Fit, FitInput, FitRefusal, FitSettings, MirrorMode};
 use super::view::View;
@@ -32,6 +32,10 @@ const FINER: f64 = 0.7;
 const MIRRORED_WEIGHT: f64 = 0.3;
 /// Weight of standing on the table, as a share of all points together; 0.1 to 1 measure alike.
 const STANDING_SHARE: f64 = 0.3;
+/// How strongly the semi-axes of an object on the table are drawn to half the cloud's extents while a side is open, as
+/// a share of all points. Halves the volume error of unmirrored views (19 to 9 % on the rendered YCB boxes, balls, cans
+/// and fruit); clouds without a table are left alone, where a half-shell's true semi-axis may be all of its extent.
+const DRAWN_SHARE: f64 = 0.003;
 /// Exponents of the starts: round and square. One of them alone loses 2 % of half-seen shapes.
 const START_EXPONENTS: [f64; 2] = [1.0, 0.4];
 /// How many starts are followed further.
@@ -209,7 +213,10 @@ fn search(
     let longer = Limits { max_iterations: settings.max_iterations, relative_reduction: 1e-5 };
     let last = Limits { max_iterations: settings.max_iterations, relative_reduction: 1e-7 };
     let run = |objective: &Objective<'_>, from: &Candidate, limits: &Limits| {
-        minimise(objective, from, &bounds(&positions, &prepared.around, from), limits, watch)
+        let half = half_extents(&positions, &prepared.around, from);
+        let open = prepared.around.on_table && !prepared.around.complete;
+        let objective = if open { objective.drawn_to(half, DRAWN_SHARE) } else { *objective };
+        minimise(&objective, from, &bounds(&positions, &prepared.around, from), limits, watch)
     };
 
     watch.progress(0.2, "trying starts");

@@ -84,6 +84,12 @@ fn extents(points: &[Point3<f64>], axes: &Matrix3<f64>, on_table: bool) -> [Vect
     [low, high]
 }
 
+/// Half the extents of the cloud in the axes of a candidate, metres.
+pub(crate) fn half_extents(points: &[Point3<f64>], around: &Surroundings, candidate: &Candidate) -> [f64; 3] {
+    let [low, high] = extents(points, &candidate.rotation(), around.on_table);
+    (0.5 * (high - low)).into()
+}
+
 /// The box that the unknowns stay in, from the cloud's extents in the axes of a candidate.
 pub(crate) fn bounds(points: &[Point3<f64>], around: &Surroundings, candidate: &Candidate) -> Bounds {
     let [low, high] = extents(points, &candidate.rotation(), around.on_table);
