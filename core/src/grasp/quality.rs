@@ -11,7 +11,7 @@ use super::Contact;
 use crate::math;
 
 /// Coulomb friction between rubber pads and packaging, as in the grasp literature's usual 0.5.
-pub const FRICTION: f64 = 0.5;
+pub(super) const FRICTION: f64 = 0.5;
 /// Edges of a linearised friction cone; eight keep at least 92 % of the cone's width.
 const CONE_EDGES: usize = 8;
 /// Facets after which the hull is given up; the value reached so far is then a lower bound.

@@ -15,6 +15,11 @@ impl<T> Default for Memory<T> {
 }
 
 impl<T> Memory<T> {
+    /// The last value.
+    pub(super) fn last(&self) -> Option<&T> {
+        self.last.as_ref().map(|(_, value)| value)
+    }
+
     /// The value for these inputs: the last one if they are the same, else a new one. A refusal is not kept.
     pub(super) fn get<E>(&mut self, inputs: Vec<String>, compute: impl FnOnce() -> Result<T, E>) -> Result<&T, E> {
         if self.last.as_ref().is_none_or(|(known, _)| *known != inputs) {

@@ -2,7 +2,7 @@
 
 use nalgebra::Isometry3;
 
-use crate::collision::{Checker, CollisionError, HandChecker, Scratch, World};
+use crate::collision::{CollisionError, HandChecker, Scratch, World};
 use crate::grasp::{Grasp, GraspSettings, GraspStatus, HandHit, HandModel, Reach, Situated, candidates};
 use crate::job::{FitOutput, Refusal};
 use crate::library::Library;
@@ -10,7 +10,7 @@ use crate::parallel;
 use crate::robot::ik::SrsArm;
 use crate::scene::Scene;
 use crate::superquadric::Superquadric;
-use crate::task::{Workcell, WorkcellError};
+use crate::task::{Situation, Workcell, WorkcellError};
 use crate::watch::Watch;
 
 /// Arm angles at which the IK set is sampled: every 15°, with up to eight branches each.
@@ -167,8 +167,8 @@ fn situate(cell: &Workcell, grasp: &mut Grasp, goal_supports: Option<&[String]>)
     let q_rest = cell.q_with_fingers(&grasp.closed);
     let reach =
         Reach { robot: &cell.robot, arm: cell.arm(), ik: &cell.ik, q_rest: &q_rest, arm_angles: ARM_ANGLES };
-    let at = |X_WO: &Isometry3<f64>, checker: Result<Checker, CollisionError>| -> Situated {
-        let checker = match checker {
+    let at = |X_WO: &Isometry3<f64>, situation: Result<Situation, CollisionError>| -> Situated {
+        let checker = match situation.and_then(|situation| cell.checker(&situation)) {
             Ok(checker) => checker,
             Err(error) => return Situated { rejected: vec![(error.to_string(), 1)], ..Situated::default() },
         };
@@ -178,7 +178,7 @@ fn situate(cell: &Workcell, grasp: &mut Grasp, goal_supports: Option<&[String]>)
     let start = at(&cell.X_WO_start, cell.grasping(&cell.X_WO_start, &grasp.closed));
     let goal = match (start.ik_count > 0, cell.X_WO_goal, goal_supports) {
         (true, Some(X_WO_goal), Some(supports)) => {
-            Some(at(&X_WO_goal, cell.carrying(&grasp.X_OH, &grasp.closed, supports)))
+            Some(at(&X_WO_goal, cell.carrying(grasp, supports)))
         }
         _ => None,
     };

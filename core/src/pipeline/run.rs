@@ -62,6 +62,11 @@ impl Pipeline {
         emit(Update::Finished { revision });
     }
 
+    /// Robot, obstacles and object of the last request that came as far as grasps.
+    pub fn workcell(&self) -> Option<&Workcell> {
+        self.grasps.last().map(|(cell, _)| cell)
+    }
+
     /// The output of one stage; earlier stages are in memory already or are computed now.
     fn stage(&mut self, request: &Request, stage: Stage, watch: Watch<'_>) -> Result<Output, Refusal> {
         let (scene, dropped) = (&request.scene, request.cloud.as_ref());

@@ -7,7 +7,7 @@ mod workcell;
 
 pub use pick_and_place::{MotionSettings, PickAndPlace, plan_pick_and_place};
 pub use report::plan_json_lines;
-pub use workcell::{TARGET, Workcell, WorkcellError};
+pub use workcell::{Situation, TARGET, Workcell, WorkcellError};
 
 use nalgebra::Isometry3;
 use serde::{Deserialize, Serialize};

@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Translation3, Vector3};
 
 use super::pick_and_place::MotionSettings;
 use super::{PhaseKind, Workcell};
-use crate::collision::{Checker, Scratch};
+use crate::collision::Scratch;
 use crate::plan::{
     ArmSpace, BirrtSettings, CartesianSettings, CartesianStop, MotionLimits, Path, PlanOutcome, ShortcutSettings,
     StopReason, TimingSettings, Trajectory, follow_poses, plan_path, shorten, straight_line, time_path,
@@ -36,11 +36,6 @@ pub(super) struct Mover<'a> {
 }
 
 impl Mover<'_> {
-    /// The arm's joint space with a checker.
-    pub(super) fn space(&self, checker: Checker) -> Result<ArmSpace, String> {
-        ArmSpace::new(&self.cell.robot, self.cell.arm_index, checker).map_err(|error| error.to_string())
-    }
-
     /// Straight back along the approach direction, as far as there is room, at least the shortest way that counts.
     pub(super) fn back_off(&self, space: &ArmSpace, q: &[f64], X_WH: &Isometry3<f64>) -> Result<Path, String> {
         let (full, least) = (self.settings.approach_m, self.settings.min_approach_m);

@@ -8,8 +8,8 @@
 use nalgebra::{Isometry3, Translation3};
 
 use super::motion::{Draft, Mover, joined, reversed};
-use super::{Phase, PhaseKind, Plan, Workcell};
-use crate::collision::{Checker, CollisionError};
+use super::{Phase, PhaseKind, Plan, Situation, Workcell};
+use crate::collision::CollisionError;
 use crate::grasp::{Grasp, Situated};
 use crate::job::Refusal;
 use crate::plan::{ArmSpace, Path};
@@ -132,12 +132,13 @@ fn plan_with(
     use PhaseKind::{Close, Lift, Open, Place, Reach, Retreat, Transport};
     let (cell, X_OH) = (task.cell, &grasp.X_OH);
     let mover = Mover { cell, settings, seed: task.seed, watch };
-    let space = |phase: PhaseKind, checker: Result<Checker, CollisionError>| {
-        let checker = checker.map_err(|error| Setback { phase, reason: error.to_string() })?;
-        mover.space(checker).map_err(setback(phase))
+    let space = |phase: PhaseKind, situation: Result<Situation, CollisionError>| {
+        let checker = situation.and_then(|situation| cell.checker(&situation));
+        let space = checker.and_then(|checker| ArmSpace::new(&cell.robot, cell.arm_index, checker));
+        space.map_err(|error| Setback { phase, reason: error.to_string() })
     };
     let approaching = space(Reach, cell.approaching(&cell.X_WO_start))?;
-    let lifting = space(Lift, cell.carrying(X_OH, &grasp.closed, &cell.supports(&cell.X_WO_start)))?;
+    let lifting = space(Lift, cell.carrying(grasp, &cell.supports(&cell.X_WO_start)))?;
     let X_WH_start = cell.X_WO_start * X_OH;
     let picks = straight_ways(&mover, grasp.start.as_ref(), &X_WH_start, (Reach, &approaching), (Lift, &lifting))?;
 
@@ -155,11 +156,11 @@ fn plan_with(
     let Some(X_WO_goal) = cell.X_WO_goal else { return Ok(drafts) };
 
     let leaving = space(Retreat, cell.approaching(&X_WO_goal))?;
-    let placing = space(Place, cell.carrying(X_OH, closed, &cell.supports(&X_WO_goal)))?;
+    let placing = space(Place, cell.carrying(grasp, &cell.supports(&X_WO_goal)))?;
     let X_WH_goal = X_WO_goal * X_OH;
     let places = straight_ways(&mover, grasp.goal.as_ref(), &X_WH_goal, (Retreat, &leaving), (Place, &placing))?;
 
-    let carrying = space(Transport, cell.carrying(X_OH, closed, &[]))?;
+    let carrying = space(Transport, cell.carrying(grasp, &[]))?;
     let goals: Vec<Vec<f64>> = places.iter().filter_map(|ways| ways.rise.points.last().cloned()).collect();
     let lifted = pick.rise.points.last().unwrap_or(&pick.grasp);
     let (transport, chosen) = mover.search(&carrying, lifted, &goals).map_err(setback(Transport))?;

@@ -4,8 +4,12 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, Point3};
 
-use crate::collision::{CarriedObject, Checker, CollisionError, CollisionModel, Hit, MayTouch, Party, Scratch, World};
-use crate::grasp::HandModel;
+use super::{PhaseKind, Plan};
+use crate::collision::{
+    CarriedObject, Checker, CollisionError, CollisionModel, Exhaustive, Hit, MayTouch, Party, Scratch, World,
+};
+use crate::grasp::{Grasp, HandModel};
+use crate::plan::{WalkHit, walk};
 use crate::robot::ik::{NotSrs, SrsArm};
 use crate::robot::{Arm, Robot};
 
@@ -38,6 +42,18 @@ pub struct Workcell {
     pub X_WO_start: Isometry3<f64>,
     /// Pose of O where it shall be put, if anywhere.
     pub X_WO_goal: Option<Isometry3<f64>>,
+}
+
+/// What surrounds the arm while it moves: what stands, what is carried, what may touch.
+pub struct Situation {
+    /// Obstacles, the standing object among them.
+    pub world: World,
+    /// The object, when the hand holds it.
+    pub carried: Option<CarriedObject>,
+    /// Contacts that are intended.
+    pub may_touch: Vec<MayTouch>,
+    /// All joints; those of the arm are not used.
+    pub q_rest: Vec<f64>,
 }
 
 /// Why a workcell cannot be set up.
@@ -73,46 +89,85 @@ impl Workcell {
         q
     }
 
-    /// Checker of the open hand on its way to or from the object, which stands at `X_WO`.
+    /// The open hand on its way to or from the object, which stands at `X_WO`.
     ///
     /// # Errors
     /// [`CollisionError`] when the object's hull has no volume.
-    pub fn approaching(&self, X_WO: &Isometry3<f64>) -> Result<Checker, CollisionError> {
+    pub fn approaching(&self, X_WO: &Isometry3<f64>) -> Result<Situation, CollisionError> {
         self.beside_object(X_WO, &self.hand.open, OPEN_FINGER_DEPTH_M)
     }
 
-    /// Checker of the closed hand at the object, which stands at `X_WO`: the hand may touch it.
+    /// The closed hand at the object, which stands at `X_WO`: the hand may touch it.
     ///
     /// # Errors
     /// As [`Workcell::approaching`].
-    pub fn grasping(&self, X_WO: &Isometry3<f64>, fingers: &[f64]) -> Result<Checker, CollisionError> {
+    pub fn grasping(&self, X_WO: &Isometry3<f64>, fingers: &[f64]) -> Result<Situation, CollisionError> {
         self.beside_object(X_WO, fingers, f64::INFINITY)
     }
 
-    fn beside_object(&self, X_WO: &Isometry3<f64>, fingers: &[f64], depth_m: f64) -> Result<Checker, CollisionError> {
+    fn beside_object(&self, X_WO: &Isometry3<f64>, fingers: &[f64], depth_m: f64) -> Result<Situation, CollisionError> {
         let mut world = self.world.clone();
         world.add_hull(TARGET, &self.target_O, X_WO)?;
         let links = &self.arm().hand.links;
         let contact = |&link: &usize| MayTouch { a: Party::Link(link), b: Party::Obstacle(TARGET.into()), depth_m };
-        let may_touch: Vec<MayTouch> = links.iter().map(contact).collect();
-        Checker::for_arm(&self.model, &world, None, &may_touch, self.arm_index, &self.q_with_fingers(fingers))
+        let may_touch = links.iter().map(contact).collect();
+        Ok(Situation { world, carried: None, may_touch, q_rest: self.q_with_fingers(fingers) })
     }
 
-    /// Checker of the hand that carries the object; `resting` names what the object may stand on.
+    /// The hand that carries the object by a grasp; `resting` names what the object may stand on.
     ///
     /// # Errors
     /// As [`Workcell::approaching`].
-    pub fn carrying(
-        &self,
-        X_OH: &Isometry3<f64>,
-        fingers: &[f64],
-        resting: &[String],
-    ) -> Result<Checker, CollisionError> {
-        let carried =
-            CarriedObject::from_points(TARGET, &self.target_O, &X_OH.inverse(), &self.robot, self.arm_index)?;
-        let may_touch: Vec<MayTouch> = resting.iter().map(|name| MayTouch::carried(name, REST_DEPTH_M)).collect();
-        let q_rest = self.q_with_fingers(fingers);
-        Checker::for_arm(&self.model, &self.world, Some(&carried), &may_touch, self.arm_index, &q_rest)
+    pub fn carrying(&self, grasp: &Grasp, resting: &[String]) -> Result<Situation, CollisionError> {
+        let X_HO = grasp.X_OH.inverse();
+        let carried = CarriedObject::from_points(TARGET, &self.target_O, &X_HO, &self.robot, self.arm_index)?;
+        Ok(Situation {
+            world: self.world.clone(),
+            carried: Some(carried),
+            may_touch: resting.iter().map(|name| MayTouch::carried(name, REST_DEPTH_M)).collect(),
+            q_rest: self.q_with_fingers(&grasp.closed),
+        })
+    }
+
+    /// What surrounds the arm in a phase of a plan.
+    ///
+    /// # Errors
+    /// As [`Workcell::approaching`].
+    pub fn situation(&self, kind: PhaseKind, plan: &Plan) -> Result<Situation, CollisionError> {
+        match kind {
+            PhaseKind::Reach => self.approaching(&plan.X_WO_start),
+            PhaseKind::Close => self.grasping(&plan.X_WO_start, &plan.grasp.closed),
+            PhaseKind::Lift => self.carrying(&plan.grasp, &self.supports(&plan.X_WO_start)),
+            PhaseKind::Transport => self.carrying(&plan.grasp, &[]),
+            PhaseKind::Place => self.carrying(&plan.grasp, &self.supports(&plan.X_WO_end)),
+            PhaseKind::Open => self.grasping(&plan.X_WO_end, &plan.grasp.closed),
+            PhaseKind::Retreat => self.approaching(&plan.X_WO_end),
+        }
+    }
+
+    /// A checker of the acting arm in a situation.
+    ///
+    /// # Errors
+    /// As [`Workcell::approaching`].
+    pub fn checker(&self, situation: &Situation) -> Result<Checker, CollisionError> {
+        let Situation { world, carried, may_touch, q_rest } = situation;
+        Checker::for_arm(&self.model, world, carried.as_ref(), may_touch, self.arm_index, q_rest)
+    }
+
+    /// Walks every motion of a plan at `density` steps per sample with the exhaustive judge, which shares no code with
+    /// the planner's checker, and tells the first collision and its phase.
+    ///
+    /// # Errors
+    /// As [`Workcell::approaching`].
+    pub fn rewalk(&self, plan: &Plan, density: usize) -> Result<Option<(PhaseKind, WalkHit)>, CollisionError> {
+        for phase in plan.phases.iter().filter(|phase| !matches!(phase.kind, PhaseKind::Close | PhaseKind::Open)) {
+            let Situation { world, carried, may_touch, q_rest } = self.situation(phase.kind, plan)?;
+            let judge = Exhaustive::new(&self.model, &world, carried.as_ref(), &may_touch)?;
+            if let Some(hit) = walk(&judge, &plan.dofs, &q_rest, &phase.trajectory, density) {
+                return Ok(Some((phase.kind, hit)));
+            }
+        }
+        Ok(None)
     }
 
     /// Names of everything that the object rests on, or nearly so, when it stands at `X_WO`.
