@@ -18,6 +18,9 @@ use crate::render::{ColorMap, Frame, LineDraw, MeshDraw, PointsDraw, Scale, Surf
 use crate::viewer::{Layer, Layers, Pick};
 pub use palette::Palette;
 
+/// An object that is farther than this from where it was seen has been moved, metres.
+const MOVED_M: f64 = 1e-4;
+
 /// Everything that a picture is made of.
 pub struct Content<'a> {
     pub scene: &'a Scene,
@@ -52,8 +55,11 @@ pub struct Composer {
     pin: Option<Arc<Mesh>>,
 }
 
+/// Address and number of the points, whether they are segmented, whether the target has moved, and the theme.
+type CloudKey = (usize, usize, bool, bool, Theme);
+
 struct CloudCache {
-    key: (usize, usize, bool, Theme),
+    key: CloudKey,
     points: Arc<Vec<Point3<f64>>>,
     colors: Arc<Vec<[f32; 4]>>,
 }
@@ -143,12 +149,16 @@ impl Composer {
 
     fn add_cloud(&mut self, frame: &mut Frame, cloud: &SceneOutput, input: &Content<'_>, palette: &Palette) {
         let points = &cloud.cloud.points;
-        let key = (points.as_ptr() as usize, points.len(), input.segment.is_some(), input.theme);
+        let moved = match (input.X_WO, input.X_WO_start) {
+            (Some(now), Some(start)) => (now.translation.vector - start.translation.vector).norm() > MOVED_M,
+            _ => false,
+        };
+        let key = (points.as_ptr() as usize, points.len(), input.segment.is_some(), moved, input.theme);
         if self.cloud.as_ref().is_none_or(|cache| cache.key != key) {
             let fates = input.segment.map(|s| s.fates.as_slice()).filter(|fates| fates.len() == points.len());
             let target = input.segment.map(|s| s.target);
             let colors = (0..points.len())
-                .map(|i| fates.map_or(palette.cloud, |fates| palette.fate(fates[i], target)))
+                .map(|i| fates.map_or(palette.cloud, |fates| palette.fate(fates[i], target, moved)))
                 .collect();
             self.cloud = Some(CloudCache { key, points: Arc::new(points.clone()), colors: Arc::new(colors) });
         }

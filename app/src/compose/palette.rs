@@ -11,6 +11,9 @@ use crate::render::{Surface, Theme};
 /// A neighbour whose fit is within this distance of a described object gets that object's colour, metres.
 const SAME_OBJECT_M: f64 = 0.08;
 
+/// How much of its own colour a neighbour keeps: the rest is a quiet grey, so that data colours stand out.
+const CALM: f32 = 0.45;
+
 /// Colours of everything in the view, sRGB and opacity.
 pub struct Palette {
     pub table: [f32; 4],
@@ -47,7 +50,7 @@ impl Palette {
             Theme::Dark => Self {
                 table: rgb(0x4a4540),
                 obstacle: rgb(0x9a7b5c),
-                target: rgba(0x3ec6b0, 0.72),
+                target: rgba(0x3ec6b0, 0.62),
                 goal: rgba(0xf0b34a, 0.55),
                 cloud: rgb(0x6ca9ff),
                 rejected: rgba(0xee6a5c, 0.8),
@@ -60,13 +63,13 @@ impl Palette {
                 joint: rgb(0x1c1f23),
                 accent: rgb(0x3ec6b0),
                 neighbour: rgb(0x7d8894),
-                faint: rgba(0x5b6672, 0.35),
+                faint: rgba(0x8a96a3, 0.16),
                 clusters: [rgb(0x6ca9ff), rgb(0xb08cff), rgb(0xf0b34a), rgb(0x8fd36b), rgb(0xe58fc0)],
             },
             Theme::Light => Self {
                 table: rgb(0xd9d4cd),
                 obstacle: rgb(0xc7a884),
-                target: rgba(0x0d9a85, 0.72),
+                target: rgba(0x0d9a85, 0.62),
                 goal: rgba(0xc98208, 0.5),
                 cloud: rgb(0x2f74d8),
                 rejected: rgba(0xd2483a, 0.8),
@@ -79,7 +82,7 @@ impl Palette {
                 joint: rgb(0x24282d),
                 accent: rgb(0x0d9a85),
                 neighbour: rgb(0x9aa4ad),
-                faint: rgba(0xa3abb2, 0.45),
+                faint: rgba(0x69737d, 0.16),
                 clusters: [rgb(0x2f74d8), rgb(0x7d56d6), rgb(0xc98208), rgb(0x4b9a2f), rgb(0xb84d8a)],
             },
         }
@@ -99,10 +102,12 @@ impl Palette {
         (color, surface)
     }
 
-    /// Colour of a point by what became of it; the target cluster is teal.
-    pub fn fate(&self, fate: PointFate, target: Option<usize>) -> [f32; 4] {
+    /// Colour of a point by what became of it; the target cluster is teal, or not seen once the object has been moved.
+    pub fn fate(&self, fate: PointFate, target: Option<usize>, target_is_gone: bool) -> [f32; 4] {
         match fate {
-            PointFate::Cluster(index) if Some(usize::from(index)) == target => self.accent,
+            PointFate::Cluster(index) if Some(usize::from(index)) == target => {
+                if target_is_gone { [0.0; 4] } else { self.accent }
+            }
             PointFate::Cluster(index) => self.clusters[usize::from(index) % self.clusters.len()],
             PointFate::SmallCluster => self.rejected,
             _ => self.faint,
@@ -119,7 +124,9 @@ impl Palette {
             .and_then(|placed| assets::library().object(&placed.object).ok())
             .map_or(self.neighbour, |object| {
                 let [r, g, b] = object.color.map(|c| f32::from(c) / 255.0);
-                [r, g, b, 1.0]
+                let calm = |c: f32, quiet: f32| quiet + CALM * (c - quiet);
+                let [quiet_r, quiet_g, quiet_b, _] = self.neighbour;
+                [calm(r, quiet_r), calm(g, quiet_g), calm(b, quiet_b), 1.0]
             })
     }
 }

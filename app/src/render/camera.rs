@@ -74,10 +74,10 @@ impl Default for Camera {
     /// Facing a table in front of a robot that looks along +x, from its left front.
     fn default() -> Self {
         Self {
-            target: Point3::new(0.45, 0.0, 0.9),
-            distance_m: 2.8,
-            yaw_rad: 0.6,
-            pitch_rad: 0.42,
+            target: Point3::new(0.36, 0.0, 0.97),
+            distance_m: 2.25,
+            yaw_rad: 0.58,
+            pitch_rad: 0.36,
             fov_y_rad: 0.62,
             projection: Projection::Perspective,
         }

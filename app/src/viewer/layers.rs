@@ -49,7 +49,6 @@ pub struct Layers([LayerView; Layer::ALL.len()]);
 impl Default for Layers {
     fn default() -> Self {
         let mut layers = Self([LayerView { visible: true, opacity: 1.0 }; Layer::ALL.len()]);
-        layers.get_mut(Layer::Fits).opacity = 0.6;
         layers.get_mut(Layer::Rejected).visible = false;
         layers
     }
