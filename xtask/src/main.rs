@@ -13,8 +13,9 @@ use std::process::ExitCode;
 use anyhow::{Result, bail};
 
 const USAGE: &str = "\
-cargo xtask serve [--port N] [--no-open] [--quick] [--build-std]
-    builds the site and serves it on 127.0.0.1; --quick trades size for build time
+cargo xtask serve [--port N] [--no-open] [--as-is] [--quick] [--build-std]
+    builds the site and serves it on 127.0.0.1; --as-is serves dist/ without building,
+    --quick trades size and speed of the page for build time
 cargo xtask dist [--build-std]
     writes the static site to dist/, each file with .br and .gz beside it
 cargo xtask test
