@@ -20,7 +20,12 @@ class Failure extends Error {
   }
 }
 
+const hasFailed = () => element("status").className === "failed";
+
 function say(sentence, fraction) {
+  if (hasFailed()) {
+    return; // a file that still arrives must not talk over the reason why it is of no use
+  }
   element("sentence").textContent = sentence;
   if (fraction === undefined) {
     element("bar").removeAttribute("value");
@@ -147,7 +152,7 @@ async function firstPicture(program) {
 function watchForTraps() {
   const onError = (error) => {
     // A panic has already said what happened, in better words.
-    if (error instanceof WebAssembly.RuntimeError && !element("status").classList.contains("failed")) {
+    if (error instanceof WebAssembly.RuntimeError && !hasFailed()) {
       showFailure(
         "Endcomfort has stopped",
         new Failure("The program met a fault and cannot go on.", "Reload the page to start again.", error),
@@ -171,7 +176,7 @@ async function main() {
   try {
     await program.start(module, worker, chosen);
   } catch (error) {
-    if (element("status").classList.contains("failed")) {
+    if (hasFailed()) {
       return; // a panic has said why
     }
     throw new Failure(
@@ -195,7 +200,7 @@ async function main() {
     seek: program.seek,
     first_picture_ms: await firstPicture(program),
   };
-  if (!element("status").classList.contains("failed")) {
+  if (!hasFailed()) {
     say("Endcomfort is ready", 1);
     element("status").className = "running";
   }

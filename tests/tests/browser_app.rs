@@ -114,9 +114,8 @@ fn a_demo_plans_and_plays() -> Result<()> {
 fn a_dropped_cloud_is_fitted() -> Result<()> {
     let browser = browser_with_demo("mustard")?;
     browser.drop_file("can.pcd", can_on_a_table().as_bytes())?;
-    let status = browser.wait_for_status("the dropped file", A_WHILE, |status| {
-        status["file"] == "can.pcd" && has_settled(status)
-    })?;
+    let status = browser
+        .wait_for_status("the dropped file", A_WHILE, |status| status["file"] == "can.pcd" && has_settled(status))?;
     browser.screenshot("dropped")?;
     assert_eq!(stage(&status, "fit")["state"], "done", "{status:#}");
     assert_eq!(status["clusters"], 1, "{status:#}");
@@ -135,10 +134,12 @@ fn a_truncated_cloud_is_refused_in_words_and_the_scene_stays() -> Result<()> {
     browser.drop_file("cut.pcd", cut)?;
     let said = |status: &Value| {
         let messages = status["messages"].to_string();
-        let reasons: String = status["stages"].as_array().into_iter().flatten().map(|s| s["reason"].to_string()).collect();
+        let reasons: String =
+            status["stages"].as_array().into_iter().flatten().map(|s| s["reason"].to_string()).collect();
         messages.contains("cut.pcd") || reasons.contains("cut.pcd")
     };
-    let status = browser.wait_for_status("a message about the file", A_WHILE, |status| said(status) && has_settled(status))?;
+    let status =
+        browser.wait_for_status("a message about the file", A_WHILE, |status| said(status) && has_settled(status))?;
     browser.screenshot("truncated")?;
     assert_eq!(status["demo"], "mustard", "the scene stays: {status:#}");
     assert_eq!(plan_in_browser(&browser)?, before, "and so does its plan");
@@ -150,8 +151,7 @@ fn a_truncated_cloud_is_refused_in_words_and_the_scene_stays() -> Result<()> {
 #[test]
 #[ignore = "the viewer is not in the page yet"]
 fn a_seed_gives_the_same_plan_twice() -> Result<()> {
-    let plans: Vec<String> =
-        (0..2).map(|_| plan_in_browser(&browser_with_demo("mustard")?)).collect::<Result<_>>()?;
+    let plans: Vec<String> = (0..2).map(|_| plan_in_browser(&browser_with_demo("mustard")?)).collect::<Result<_>>()?;
     assert!(plans[0] == plans[1], "two visits, two plans");
     Ok(())
 }
@@ -163,7 +163,8 @@ fn a_worker_that_cannot_start_is_told_in_the_steps() -> Result<()> {
     browser.block(&["*worker*.js"])?;
     browser.open("?renderer=webgl")?;
     browser.wait_until_it_runs()?;
-    let status = browser.wait_for_status("a refusal", A_WHILE, |status| stage(status, "scene")["state"] == "refused")?;
+    let status =
+        browser.wait_for_status("a refusal", A_WHILE, |status| stage(status, "scene")["state"] == "refused")?;
     assert!(stage(&status, "scene")["reason"].to_string().contains("fault in the program"), "{status:#}");
     Ok(())
 }

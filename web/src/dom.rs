@@ -27,10 +27,10 @@ pub(crate) fn show_failure(title: &str, sentence: &str, advice: &str, detail: &s
     }
 }
 
-/// What follows `?` in the address, without it; empty if there is nothing.
-pub(crate) fn query() -> String {
-    let search = web_sys::window().and_then(|window| window.location().search().ok()).unwrap_or_default();
-    search.strip_prefix('?').unwrap_or_default().to_owned()
+/// The value of a parameter in the address: of `demo` in `?demo=mustard`, `mustard`.
+pub(crate) fn query(parameter: &str) -> Option<String> {
+    let search = web_sys::window()?.location().search().ok()?;
+    web_sys::UrlSearchParams::new_with_str(&search).ok()?.get(parameter)
 }
 
 fn element(id: &str) -> Option<HtmlElement> {

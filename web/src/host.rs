@@ -102,7 +102,8 @@ impl WebHost {
             // A file of the worker did not arrive, or it trapped without a panic.
             event.prevent_default();
             let message = event.message();
-            let cause = if message.is_empty() || message == "undefined" { "its files could not be loaded" } else { &message };
+            let cause =
+                if message.is_empty() || message == "undefined" { "its files could not be loaded" } else { &message };
             desk.borrow_mut().fail(cause);
             context.request_repaint();
         });

@@ -12,7 +12,7 @@ use web_sys::HtmlCanvasElement;
 
 use crate::dom;
 use crate::host::WebHost;
-use crate::stand_in::{App, StartOptions};
+use crate::stand_in::{App, StartOptions, ThemeChoice};
 
 thread_local! {
     static PAGE: RefCell<Option<Page>> = const { RefCell::new(None) };
@@ -64,7 +64,7 @@ pub async fn start(module: JsValue, worker_url: String, renderer: String) -> Res
             Box::new(move |creation| {
                 let context = creation.egui_ctx.clone();
                 let host = WebHost::new(context.clone(), backend, module, worker_url);
-                let app = App::new(creation, Box::new(host), StartOptions { query: dom::query() })?;
+                let app = App::new(creation, Box::new(host), start_options())?;
                 PAGE.set(Some(Page { runner: page, context }));
                 Ok(Box::new(app))
             }),
@@ -88,6 +88,16 @@ fn web_options(backends: wgpu::Backends) -> WebOptions {
     WebOptions { wgpu_options, ..WebOptions::default() }
 }
 
+/// What the address asks for: `?demo=mustard&gallery=1&theme=dark`.
+fn start_options() -> StartOptions {
+    let theme = match dom::query("theme").as_deref() {
+        Some("dark") => ThemeChoice::Dark,
+        Some("light") => ThemeChoice::Light,
+        _ => ThemeChoice::System,
+    };
+    StartOptions { demo: dom::query("demo"), gallery: dom::query("gallery").is_some(), theme }
+}
+
 /// How many pictures have been drawn.
 #[wasm_bindgen]
 pub fn pictures() -> f64 {
@@ -98,47 +108,46 @@ pub fn pictures() -> f64 {
 /// State of the interface as JSON: revision, stages, error, time, backend, … (`App::status_json`).
 #[wasm_bindgen]
 pub fn status() -> Option<String> {
-    with_app(|app| app.status_json())
+    with_app(|app, _| app.status_json())
 }
 
 /// The plan on the timeline in the format of `endcomfort plan --json`, if there is one.
 #[wasm_bindgen]
 pub fn plan_json() -> Option<String> {
-    with_app(|app| app.plan_json()).flatten()
+    with_app(|app, _| app.plan_json()).flatten()
 }
 
 /// Opens a file as if it had been dropped onto the page.
 #[wasm_bindgen]
 pub fn load_cloud(name: String, bytes: Vec<u8>) {
-    with_app(|app| app.open_file(name, bytes));
+    with_app(|app, context| app.open_file(context, name, bytes));
 }
 
 /// Opens a demo by its name.
 #[wasm_bindgen]
 pub fn set_demo(name: &str) {
-    with_app(|app| app.open_demo(name));
+    with_app(|app, context| app.open_demo(context, name));
 }
 
 /// Plays or pauses the plan.
 #[wasm_bindgen]
 pub fn set_playing(playing: bool) {
-    with_app(|app| app.set_playing(playing));
+    with_app(|app, context| app.set_playing(context, playing));
 }
 
 /// Goes to a moment of the plan, seconds from its start.
 #[wasm_bindgen]
 pub fn seek(time_s: f64) {
-    with_app(|app| app.seek(time_s));
+    with_app(|app, context| app.seek(context, time_s));
 }
 
 fn with_page<T>(act: impl FnOnce(&Page) -> T) -> Option<T> {
     PAGE.with_borrow(|page| page.as_ref().map(act))
 }
 
-/// Acts on the interface and draws again; `None` before it has started and after a panic.
-fn with_app<T>(act: impl FnOnce(&mut App) -> T) -> Option<T> {
+/// Acts on the interface; `None` before it has started and after a panic.
+fn with_app<T>(act: impl FnOnce(&mut App, &egui::Context) -> T) -> Option<T> {
     let page = with_page(Page::clone)?;
-    let result = act(&mut *page.runner.app_mut::<App>()?);
-    page.context.request_repaint();
-    Some(result)
+    let mut app = page.runner.app_mut::<App>()?;
+    Some(act(&mut app, &page.context))
 }

@@ -1,4 +1,4 @@
-//! Stands in for `endcomfort::viewer::App` and `endcomfort::jobs::Runner` until they are merged; has their shape.
+//! Stands in for `endcomfort::viewer::App` and `endcomfort_core::pipeline::Pipeline` until they are merged; has their shape.
 
 use eframe::egui;
 use endcomfort::host::Host;
@@ -8,7 +8,16 @@ use endcomfort_core::watch::Watch;
 use nalgebra::Isometry3;
 
 pub(crate) struct StartOptions {
-    pub(crate) query: String,
+    pub(crate) demo: Option<String>,
+    pub(crate) gallery: bool,
+    pub(crate) theme: ThemeChoice,
+}
+
+#[derive(Debug)]
+pub(crate) enum ThemeChoice {
+    System,
+    Dark,
+    Light,
 }
 
 pub(crate) struct App {
@@ -26,7 +35,13 @@ impl App {
         start: StartOptions,
     ) -> Result<Self, String> {
         host.submit(request(1));
-        Ok(Self { host, revision: 1, finished: None, query: start.query, note: String::new() })
+        Ok(Self {
+            host,
+            revision: 1,
+            finished: None,
+            query: format!("{:?} {} {:?}", start.demo, start.gallery, start.theme),
+            note: String::new(),
+        })
     }
 
     pub(crate) fn status_json(&mut self) -> String {
@@ -43,13 +58,13 @@ impl App {
         None
     }
 
-    pub(crate) fn open_file(&mut self, name: String, bytes: Vec<u8>) {
+    pub(crate) fn open_file(&mut self, _context: &egui::Context, name: String, bytes: Vec<u8>) {
         self.note = format!("{name}: {} bytes", bytes.len());
         self.revision += 1;
         self.host.submit(request(self.revision));
     }
 
-    pub(crate) fn open_demo(&mut self, name: &str) {
+    pub(crate) fn open_demo(&mut self, _context: &egui::Context, name: &str) {
         if name == "panic" {
             panic!("a panic that was asked for");
         }
@@ -60,9 +75,9 @@ impl App {
         self.host.submit(request(self.revision));
     }
 
-    pub(crate) fn set_playing(&mut self, _playing: bool) {}
+    pub(crate) fn set_playing(&mut self, _context: &egui::Context, _playing: bool) {}
 
-    pub(crate) fn seek(&mut self, _time_s: f64) {}
+    pub(crate) fn seek(&mut self, _context: &egui::Context, _time_s: f64) {}
 }
 
 impl eframe::App for App {
@@ -90,9 +105,9 @@ impl eframe::App for App {
     }
 }
 
-pub(crate) struct Runner;
+pub(crate) struct Pipeline;
 
-impl Runner {
+impl Pipeline {
     pub(crate) fn new() -> Self {
         Self
     }

@@ -62,11 +62,7 @@ mod tests {
             posture: "ready".into(),
             table: TableTop { center_m: [0.6, 0.0], size_m: [0.8, 1.2], height_m: 0.74, thickness_m: 0.04 },
             objects: vec![PlacedObject { object: "mustard_bottle".into(), X_WO: pose(0.6) }],
-            obstacles: vec![Obstacle {
-                name: "box".into(),
-                size_m: Vector3::new(0.2, 0.2, 0.1),
-                X_WB: pose(0.4),
-            }],
+            obstacles: vec![Obstacle { name: "box".into(), size_m: Vector3::new(0.2, 0.2, 0.1), X_WB: pose(0.4) }],
             X_WC: pose(-0.2),
             task,
             seed: u64::MAX,

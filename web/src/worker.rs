@@ -8,14 +8,14 @@ use js_sys::{Array, ArrayBuffer, Uint8Array};
 use wasm_bindgen::prelude::*;
 use web_sys::{DedicatedWorkerGlobalScope, MessageEvent};
 
-use crate::stand_in::Runner;
+use crate::stand_in::Pipeline;
 use crate::wire;
 
 /// Makes this worker ready for requests.
 #[wasm_bindgen]
 pub fn start_worker() {
     std::panic::set_hook(Box::new(|info| say(&info.to_string())));
-    let mut runner = Runner::new();
+    let mut pipeline = Pipeline::new();
     let clock = web_time::Instant::now();
     let on_message = Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {
         let bytes = Uint8Array::new(&event.data().unchecked_into::<ArrayBuffer>()).to_vec();
@@ -23,7 +23,7 @@ pub fn start_worker() {
             Ok(request) => {
                 // Nobody can ask this thread to stop while it computes: the page ends it instead.
                 let now_ms = || clock.elapsed().as_secs_f64() * 1e3;
-                runner.run(&request, &Watch::new(&|| false, &|_, _| (), &now_ms), &mut send);
+                pipeline.run(&request, &Watch::new(&|| false, &|_, _| (), &now_ms), &mut send);
             }
             Err(error) => say(&error.to_string()),
         }

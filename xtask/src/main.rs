@@ -1,9 +1,52 @@
 mod robots;
 
-fn main() -> anyhow::Result<()> {
-    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    match std::env::args().nth(1).as_deref() {
-        Some("robots") => robots::run(&root),
-        _ => anyhow::bail!("usage: cargo xtask robots"),
+mod compress;
+mod process;
+mod serve;
+mod setup;
+mod site;
+mod suite;
+mod wasm;
+
+use std::process::ExitCode;
+
+use anyhow::{Result, bail};
+
+const USAGE: &str = "\
+cargo xtask serve [--port N] [--no-open] [--as-is] [--quick] [--build-std]
+    builds the site and serves it on 127.0.0.1; --as-is serves dist/ without building,
+    --quick trades size and speed of the page for build time
+cargo xtask dist [--build-std]
+    writes the static site to dist/, each file with .br and .gz beside it
+cargo xtask test
+    everything that must hold: format, lints, tests, the site, a real browser
+
+--build-std builds the wasm standard library from Debian's sources even where rustup has it.";
+
+fn main() -> ExitCode {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    match dispatch(&args) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn dispatch(args: &[String]) -> Result<()> {
+    let Some((command, rest)) = args.split_first() else {
+        println!("{USAGE}");
+        return Ok(());
+    };
+    match command.as_str() {
+        "serve" => serve::command(rest),
+        "dist" => site::command(rest),
+        "test" => suite::command(rest),
+        "help" | "--help" | "-h" => {
+            println!("{USAGE}");
+            Ok(())
+        }
+        other => bail!("no command {other:?}; there are:\n{USAGE}"),
     }
 }

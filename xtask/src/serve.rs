@@ -24,21 +24,24 @@ const FIRST_PORT: u16 = 8080;
 pub(crate) fn command(args: &[String]) -> Result<()> {
     let mut options = wasm::Options { quick: false, build_std: false };
     let mut port = None;
-    let mut open = true;
+    let (mut open, mut build) = (true, true);
     let mut args = args.iter();
     while let Some(arg) = args.next() {
         match arg.as_str() {
             "--quick" => options.quick = true,
             "--build-std" => options.build_std = true,
             "--no-open" => open = false,
+            "--as-is" => build = false,
             "--port" => {
                 let text = args.next().context("`--port` needs a number")?;
                 port = Some(text.parse().with_context(|| format!("`--port {text}`: wanted a number up to 65535"))?);
             }
-            other => bail!("`serve` has no option {other:?}; it has --port N, --no-open, --quick, --build-std"),
+            other => {
+                bail!("`serve` has no option {other:?}; it has --port N, --no-open, --as-is, --quick, --build-std")
+            }
         }
     }
-    let folder = site::build(options, Effort::Quick)?;
+    let folder = if build { site::build(options, Effort::Quick)?.0 } else { site::built()? };
     let site = Site::start(folder, port)?;
     println!("\nEndcomfort is at {} (Ctrl+C stops it)", site.url());
     if open {
@@ -263,7 +266,8 @@ mod tests {
     #[test]
     fn no_address_leads_out_of_the_folder() {
         let folder = folder_with_a_page("inside");
-        for url in ["/../Cargo.toml", "/..", "/.secret", "/a/../a.wasm", "/%2e%2e/x", "//etc/passwd", "a.wasm", "/a\\b"] {
+        for url in ["/../Cargo.toml", "/..", "/.secret", "/a/../a.wasm", "/%2e%2e/x", "//etc/passwd", "a.wasm", "/a\\b"]
+        {
             assert_eq!(reply(&folder, url, "br").status, 404, "for {url:?}");
         }
     }

@@ -20,11 +20,10 @@ pub(crate) fn command(args: &[String]) -> Result<()> {
     build(options, Effort::Small).map(|_| ())
 }
 
-/// Builds the site into `dist/`, prints its sizes, and returns the folder.
-pub(crate) fn build(options: wasm::Options, effort: Effort) -> Result<PathBuf> {
+/// Builds the site into `dist/`, prints its sizes, and returns the folder and the size of everything in it.
+pub(crate) fn build(options: wasm::Options, effort: Effort) -> Result<(PathBuf, Sizes)> {
     let compiled = wasm::build(options)?;
     let (glue, module) = bind(&compiled)?;
-    let module = optimise(module, options)?;
 
     let folder = process::root().join("dist");
     if folder.exists() {
@@ -58,6 +57,13 @@ pub(crate) fn build(options: wasm::Options, effort: Effort) -> Result<PathBuf> {
 
     let Sizes { raw, gzip, brotli } = site.total;
     println!("{:<40} {raw:>10} {gzip:>10} {brotli:>10}", "all");
+    Ok((folder, site.total))
+}
+
+/// The folder of the site as it was built last.
+pub(crate) fn built() -> Result<PathBuf> {
+    let folder = process::root().join("dist");
+    ensure!(folder.join("index.html").is_file(), "there is no site in {} yet: leave out --as-is", folder.display());
     Ok(folder)
 }
 
@@ -109,21 +115,6 @@ fn bind(compiled: &Path) -> Result<(String, Vec<u8>)> {
     let glue = std::fs::read_to_string(folder.join("endcomfort.js"))?;
     let module = std::fs::read(folder.join("endcomfort_bg.wasm"))?;
     Ok((glue, module))
-}
-
-/// Shrinks the module with Binaryen's `wasm-opt` where it is installed.
-fn optimise(module: Vec<u8>, options: wasm::Options) -> Result<Vec<u8>> {
-    let Some(wasm_opt) = process::find(&["wasm-opt"]).filter(|_| !options.quick) else { return Ok(module) };
-    let folder = process::root().join("target/site/wasm-opt");
-    let (input, output) = (folder.join("input.wasm"), folder.join(format!("{}.wasm", fingerprint(&module, 64))));
-    if !output.is_file() {
-        std::fs::create_dir_all(&folder)?;
-        std::fs::write(&input, &module)?;
-        let mut command = std::process::Command::new(wasm_opt);
-        command.arg(&input).arg("-o").arg(&output).args(["-O2", "--all-features"]);
-        process::run(&mut command)?;
-    }
-    Ok(std::fs::read(&output)?)
 }
 
 fn read(file: &str) -> Result<String> {

@@ -4,13 +4,16 @@ use std::io::{BufRead as _, BufReader, Write as _};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, bail, ensure};
 
 use crate::compress::Effort;
 use crate::{process, serve, setup, site, wasm};
 
 /// Tells the browser tests where the site is served.
 const SITE_VARIABLE: &str = "ENDCOMFORT_SITE";
+
+/// A page that is to open quickly weighs no more than this, in bytes.
+const BROTLI_BUDGET: usize = 4_000_000;
 
 /// `cargo xtask test`.
 pub(crate) fn command(args: &[String]) -> Result<()> {
@@ -25,7 +28,13 @@ pub(crate) fn command(args: &[String]) -> Result<()> {
     })?;
     steps.run("lints of the browser's own code", wasm::clippy)?;
     let folder = steps.run("the site", || {
-        site::build(wasm::Options { quick: false, build_std: false }, Effort::Small)
+        let (folder, sizes) = site::build(wasm::Options { quick: false, build_std: false }, Effort::Small)?;
+        ensure!(
+            sizes.brotli <= BROTLI_BUDGET,
+            "the site has {} bytes in brotli, and {BROTLI_BUDGET} are allowed",
+            sizes.brotli
+        );
+        Ok(folder)
     })?;
     let server = serve::Site::start(folder, None)?;
     let tally = steps.run("the tests", || {
@@ -46,6 +55,7 @@ pub(crate) fn command(args: &[String]) -> Result<()> {
 struct Steps(Vec<(&'static str, Duration)>);
 
 impl Steps {
+    #[expect(clippy::disallowed_methods, reason = "nothing here runs in a browser")]
     fn run<T>(&mut self, name: &'static str, step: impl FnOnce() -> Result<T>) -> Result<T> {
         println!("\n== {name}");
         let start = Instant::now();

@@ -52,7 +52,9 @@ pub(crate) fn clippy() -> Result<()> {
         return Ok(());
     }
     let mut command = process::cargo();
-    command.args(["clippy", "--package", "endcomfort-web", "--lib", "--target", TARGET, "--target-dir"]);
+    // With the profile of the build, so that macros and build scripts are compiled once for both.
+    command.args(["clippy", "--package", "endcomfort-web", "--lib", "--target", TARGET, "--profile", "web"]);
+    command.arg("--target-dir");
     command.arg(process::root().join("target/wasm")).args(["--", "-D", "warnings"]);
     process::run(&mut command)
 }
@@ -74,9 +76,8 @@ fn standard_library(force_sources: bool) -> Result<StandardLibrary> {
             }
         }
     }
-    let has_sources = has_debian_sources() || {
-        setup::install(&["rustc-web", "rust-web-src"])? && has_debian_sources()
-    };
+    let has_sources =
+        has_debian_sources() || { setup::install(&["rustc-web", "rust-web-src"])? && has_debian_sources() };
     if has_sources {
         return Ok(StandardLibrary::Sources { linker: linker() });
     }

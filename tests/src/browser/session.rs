@@ -136,7 +136,7 @@ impl Browser {
     /// # Errors
     /// When that does not happen in time; the error shows the page's words and its console.
     pub fn wait_for(&self, what: &str, expression: &str, patience: Duration) -> Result<Value> {
-        let start = Instant::now();
+        let start = now();
         loop {
             let value = self.run(&format!("return {expression}"), &[])?;
             if !matches!(value, Value::Null | Value::Bool(false)) {
@@ -195,7 +195,7 @@ impl Browser {
     /// # Errors
     /// When that does not happen in time.
     pub fn wait_for_status(&self, what: &str, patience: Duration, holds: impl Fn(&Value) -> bool) -> Result<Value> {
-        let start = Instant::now();
+        let start = now();
         loop {
             let status = self.status()?;
             if holds(&status) {
@@ -268,6 +268,11 @@ impl Drop for Browser {
     fn drop(&mut self) {
         let _ = self.driver.command("DELETE", &format!("/session/{}", self.session), None);
     }
+}
+
+#[expect(clippy::disallowed_methods, reason = "the tests themselves do not run in a browser")]
+fn now() -> Instant {
+    Instant::now()
 }
 
 fn screenshots() -> PathBuf {
