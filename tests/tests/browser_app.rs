@@ -4,7 +4,11 @@
 use std::fmt::Write as _;
 use std::time::Duration;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, anyhow};
+use endcomfort::assets;
+use endcomfort::jobs::run_until;
+use endcomfort_core::job::{Output, Request, Stage};
+use endcomfort_core::task::plan_json_lines;
 use endcomfort_tests::browser::Browser;
 use serde_json::Value;
 
@@ -81,7 +85,6 @@ fn can_on_a_table() -> String {
 }
 
 #[test]
-#[ignore = "the viewer is not in the page yet"]
 fn a_demo_plans_and_plays() -> Result<()> {
     let browser = browser_with_demo("mustard")?;
     let status = browser.status()?;
@@ -110,7 +113,6 @@ fn a_demo_plans_and_plays() -> Result<()> {
 }
 
 #[test]
-#[ignore = "the viewer is not in the page yet"]
 fn a_dropped_cloud_is_fitted() -> Result<()> {
     let browser = browser_with_demo("mustard")?;
     browser.drop_file("can.pcd", can_on_a_table().as_bytes())?;
@@ -125,7 +127,6 @@ fn a_dropped_cloud_is_fitted() -> Result<()> {
 }
 
 #[test]
-#[ignore = "the viewer is not in the page yet"]
 fn a_truncated_cloud_is_refused_in_words_and_the_scene_stays() -> Result<()> {
     let browser = browser_with_demo("mustard")?;
     let before = plan_in_browser(&browser)?;
@@ -149,15 +150,23 @@ fn a_truncated_cloud_is_refused_in_words_and_the_scene_stays() -> Result<()> {
 }
 
 #[test]
-#[ignore = "the viewer is not in the page yet"]
-fn a_seed_gives_the_same_plan_twice() -> Result<()> {
-    let plans: Vec<String> = (0..2).map(|_| plan_in_browser(&browser_with_demo("mustard")?)).collect::<Result<_>>()?;
-    assert!(plans[0] == plans[1], "two visits, two plans");
+fn the_plan_for_a_seed_is_the_same_text_in_the_browser_and_natively() -> Result<()> {
+    for demo in assets::DEMOS {
+        let scene = assets::demo(demo).context("no such demo")?;
+        let robot = assets::library().robot(&scene.robot)?;
+        let request = Request { revision: 1, scene, cloud: None, cluster: None, grasp: None, last: Stage::Plan };
+        let outputs = run_until(&request, Stage::Plan).map_err(|refusal| anyhow!("{refusal:?}"))?;
+        let plan = outputs.into_iter().find_map(|output| if let Output::Plan(plan) = output { Some(plan) } else { None });
+        let lines = plan_json_lines(&plan.context("no plan")?, &robot);
+        let native = lines.iter().map(Value::to_string).collect::<Vec<_>>().join("\n");
+        let browser = plan_in_browser(&browser_with_demo(demo)?)?;
+        let differs = native.bytes().zip(browser.bytes()).position(|(a, b)| a != b);
+        assert!(native == browser, "{demo}: the plans differ from byte {differs:?} on");
+    }
     Ok(())
 }
 
 #[test]
-#[ignore = "the viewer is not in the page yet"]
 fn a_worker_that_cannot_start_is_told_in_the_steps() -> Result<()> {
     let browser = Browser::with_webgl()?;
     browser.block(&["*worker*.js"])?;

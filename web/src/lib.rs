@@ -12,6 +12,4 @@ mod host;
 #[cfg(target_arch = "wasm32")]
 pub mod page;
 #[cfg(target_arch = "wasm32")]
-mod stand_in;
-#[cfg(target_arch = "wasm32")]
 pub mod worker;

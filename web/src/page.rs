@@ -7,12 +7,13 @@
 use std::cell::RefCell;
 
 use eframe::{WebOptions, WebRunner, egui, egui_wgpu, wgpu};
+use endcomfort::studio::BuiltInStudio;
+use endcomfort::viewer::{App, StartOptions, ThemeChoice};
 use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
 
 use crate::dom;
 use crate::host::WebHost;
-use crate::stand_in::{App, StartOptions, ThemeChoice};
 
 thread_local! {
     static PAGE: RefCell<Option<Page>> = const { RefCell::new(None) };
@@ -64,7 +65,7 @@ pub async fn start(module: JsValue, worker_url: String, renderer: String) -> Res
             Box::new(move |creation| {
                 let context = creation.egui_ctx.clone();
                 let host = WebHost::new(context.clone(), backend, module, worker_url);
-                let app = App::new(creation, Box::new(host), start_options())?;
+                let app = App::new(creation, Box::new(host), Box::new(BuiltInStudio::default()), start_options())?;
                 PAGE.set(Some(Page { runner: page, context }));
                 Ok(Box::new(app))
             }),
@@ -88,14 +89,16 @@ fn web_options(backends: wgpu::Backends) -> WebOptions {
     WebOptions { wgpu_options, ..WebOptions::default() }
 }
 
-/// What the address asks for: `?demo=mustard&gallery=1&theme=dark`.
+/// What the address asks for: `?demo=mustard&gallery=0&theme=dark`; without a demo the gallery is open.
 fn start_options() -> StartOptions {
     let theme = match dom::query("theme").as_deref() {
         Some("dark") => ThemeChoice::Dark,
         Some("light") => ThemeChoice::Light,
         _ => ThemeChoice::System,
     };
-    StartOptions { demo: dom::query("demo"), gallery: dom::query("gallery").is_some(), theme }
+    let demo = dom::query("demo");
+    let gallery = dom::query("gallery").map_or(demo.is_none(), |wanted| wanted != "0");
+    StartOptions { demo, gallery, theme }
 }
 
 /// How many pictures have been drawn.

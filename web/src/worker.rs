@@ -2,20 +2,21 @@
 //!
 //! The worker talks in two ways: updates as bytes ([`crate::wire`]), and, when it cannot go on, one sentence as text.
 
+use endcomfort::assets;
 use endcomfort_core::job::{Request, Update};
+use endcomfort_core::pipeline::Pipeline;
 use endcomfort_core::watch::Watch;
 use js_sys::{Array, ArrayBuffer, Uint8Array};
 use wasm_bindgen::prelude::*;
 use web_sys::{DedicatedWorkerGlobalScope, MessageEvent};
 
-use crate::stand_in::Pipeline;
 use crate::wire;
 
 /// Makes this worker ready for requests.
 #[wasm_bindgen]
 pub fn start_worker() {
     std::panic::set_hook(Box::new(|info| say(&info.to_string())));
-    let mut pipeline = Pipeline::new();
+    let mut pipeline = Pipeline::new(assets::library());
     let clock = web_time::Instant::now();
     let on_message = Closure::<dyn FnMut(MessageEvent)>::new(move |event: MessageEvent| {
         let bytes = Uint8Array::new(&event.data().unchecked_into::<ArrayBuffer>()).to_vec();

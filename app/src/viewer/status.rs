@@ -1,10 +1,12 @@
 //! The state as JSON, for the page's test interface and for people who script the page.
 
 use endcomfort_core::job::Stage;
+use endcomfort_core::task::plan_json_lines;
 use serde_json::{Value, json};
 
 use super::state::StageState;
 use super::{Overlay, ViewerState};
+use crate::assets;
 
 impl ViewerState {
     /// What stands on the screen, as one JSON object.
@@ -54,9 +56,12 @@ impl ViewerState {
         }
     }
 
-    /// The plan as JSON, the same text natively and in the browser; `None` while there is none for the present scene.
+    /// The plan as `endcomfort plan --json` prints it, one line per phase; `None` while there is none for the present
+    /// scene.
     pub fn plan_json(&self) -> Option<String> {
         let plan = self.outputs.plan.as_ref().filter(|plan| plan.revision == self.revision)?;
-        serde_json::to_string(&*plan.value).ok()
+        let robot = assets::library().robot(&self.document.scene.robot).ok()?;
+        let lines: Vec<String> = plan_json_lines(&plan.value, &robot).iter().map(Value::to_string).collect();
+        Some(lines.join("\n"))
     }
 }
