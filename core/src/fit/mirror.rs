@@ -18,8 +18,6 @@ use crate::math;
 /// A plane passes when its points are impossible by no more than this on average, metres: the noise of the sensor at
 /// 1 m plus a pixel of the outline.
 pub(crate) const PASS_M: f64 = 0.004;
-/// The second plane passes only if it is as good as this, metres: it is a guess on top of a guess.
-pub(crate) const SECOND_PASS_M: f64 = 0.004;
 /// A single mirrored point that is more impossible than this is not added to the cloud, metres.
 const POINT_PASS_M: f64 = 0.004;
 /// The normal of the plane stays this close to the direction of view, radians (50°).
@@ -198,7 +196,7 @@ fn search_second(points: &[(Point3<f64>, usize)], view: &View, first: &MirrorPla
             }
         }
     }
-    (best.0 <= SECOND_PASS_M).then_some(MirrorPlane { normal, offset_m: best.1, cost_m: best.0 })
+    (best.0 <= PASS_M).then_some(MirrorPlane { normal, offset_m: best.1, cost_m: best.0 })
 }
 
 #[cfg(test)]

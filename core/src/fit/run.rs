@@ -132,16 +132,26 @@ fn stands_on_table(points: &[Point3<f64>]) -> bool {
     low < 0.03_f64.max(0.3 * high)
 }
 
-/// Voxel centroids of what was seen and of its mirror image, seen voxels first.
+/// Median number of points in a voxel.
+fn full_voxel(voxels: &[(Point3<f64>, usize)]) -> f64 {
+    let mut counts: Vec<usize> = voxels.iter().map(|(_, count)| *count).collect();
+    counts.sort_unstable();
+    counts.get(counts.len() / 2).copied().unwrap_or(1) as f64
+}
+
+/// Voxel centroids of what was seen and of its mirror image with their weights, seen voxels first.
 fn thinned(seen: &[Point3<f64>], mirrored: &[Point3<f64>], voxel_m: f64) -> Vec<(Point3<f64>, f64)> {
     let mut edge_m = voxel_m;
-    // A small object would be left with fewer points than unknowns: halve the edge until it is not.
+    // A small object would be left with fewer points than unknowns: refine the grid until it is not.
     let mut own = voxel_centroids(seen, edge_m);
     while own.len() < MIN_VOXELS.min(seen.len()) && edge_m > 1e-4 {
         edge_m *= FINER;
         own = voxel_centroids(seen, edge_m);
     }
-    let mut points: Vec<(Point3<f64>, f64)> = own.into_iter().map(|(p, _)| (p, 1.0)).collect();
+    // Noise spills single points into voxels beside the surface, whose centroids are far off; counted in full they bias
+    // the shape (73 of 100 noisy synthetic clouds fitted within 1 mm, 96 with this weight).
+    let full = full_voxel(&own);
+    let mut points: Vec<(Point3<f64>, f64)> = own.into_iter().map(|(p, n)| (p, (n as f64 / full).min(1.0))).collect();
     points.extend(voxel_centroids(mirrored, edge_m).into_iter().map(|(p, _)| (p, MIRRORED_WEIGHT)));
     points
 }
