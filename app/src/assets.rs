@@ -51,10 +51,8 @@ pub fn thumbnail(name: &str) -> Option<&'static [u8]> {
 
 /// Names of all household objects, sorted.
 pub fn object_names() -> Vec<&'static str> {
-    let mut names: Vec<&str> = OBJECTS
-        .files()
-        .filter_map(|file| file.path().file_name()?.to_str()?.strip_suffix(".json"))
-        .collect();
+    let mut names: Vec<&str> =
+        OBJECTS.files().filter_map(|file| file.path().file_name()?.to_str()?.strip_suffix(".json")).collect();
     names.sort_unstable();
     names
 }

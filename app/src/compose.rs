@@ -99,7 +99,8 @@ impl Composer {
         let table = &scene.table;
         let size = [table.size_m[0], table.size_m[1], table.thickness_m];
         if self.table.as_ref().is_none_or(|(known, _)| *known != size) {
-            self.table = Some((size, Arc::new(shapes::rounded_cuboid(Vector3::from(size), 0.012_f64.min(0.45 * size[2])))));
+            self.table =
+                Some((size, Arc::new(shapes::rounded_cuboid(Vector3::from(size), 0.012_f64.min(0.45 * size[2])))));
         }
         if let Some((_, mesh)) = &self.table {
             let z = table.height_m - 0.5 * table.thickness_m;
@@ -142,7 +143,13 @@ impl Composer {
         for ((link, meshes), X_WL) in input.robot.links.iter().zip(meshes).zip(&X_WL) {
             for (visual, mesh) in link.visuals.iter().zip(meshes) {
                 let (color, surface) = palette.material(&visual.material, input.layers.opacity(Layer::Robot));
-                frame.meshes.push(MeshDraw { mesh: mesh.clone(), X_WM: X_WL * visual.X_LV, color, surface, pick_id: Pick::Robot.id() });
+                frame.meshes.push(MeshDraw {
+                    mesh: mesh.clone(),
+                    X_WM: X_WL * visual.X_LV,
+                    color,
+                    surface,
+                    pick_id: Pick::Robot.id(),
+                });
             }
         }
     }
@@ -221,7 +228,8 @@ impl Composer {
         let scale = merit_scale(input.grasps);
         for grasp in input.grasps {
             let accepted = grasp.is_accepted();
-            let opacity = if accepted { input.layers.opacity(Layer::Grasps) } else { input.layers.opacity(Layer::Rejected) };
+            let opacity =
+                if accepted { input.layers.opacity(Layer::Grasps) } else { input.layers.opacity(Layer::Rejected) };
             if opacity <= 0.0 {
                 continue;
             }

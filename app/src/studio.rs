@@ -8,7 +8,7 @@ use nalgebra::{Isometry3, Point3};
 
 use crate::assets;
 use crate::compose::{Composer, Content, merit_scale};
-use crate::render::Theme;
+use crate::render::{Bounds, Theme};
 use crate::viewer::{
     ComposeInput, Demo, Label, Layer, Picture, Posture, RobotChoice, ScaleBar, Situation, Studio, Tone,
 };
@@ -31,7 +31,8 @@ impl Studio for BuiltInStudio {
     }
 
     fn robots(&self) -> Vec<RobotChoice> {
-        let choice = |name: &str, title: &str| RobotChoice { name: name.into(), title: title.into(), posture: "home".into() };
+        let choice =
+            |name: &str, title: &str| RobotChoice { name: name.into(), title: title.into(), posture: "home".into() };
         vec![choice("crichton", "Crichton"), choice("alita", "Alita")]
     }
 
@@ -46,6 +47,7 @@ impl Studio for BuiltInStudio {
         let state = Standing::of(input, &robot);
         let outputs = input.outputs;
         let grasps = outputs.candidates();
+        let under_way = matches!(input.posture, Posture::Plan { time_s } if time_s > 0.0);
         let content = Content {
             scene: input.scene,
             robot: &robot,
@@ -53,7 +55,7 @@ impl Studio for BuiltInStudio {
             cloud: outputs.scene.as_deref(),
             segment: outputs.segment.as_deref(),
             fits: outputs.fit.as_deref(),
-            grasps: if matches!(input.posture, Posture::Plan { .. }) { &[] } else { grasps },
+            grasps: if under_way { &[] } else { grasps },
             X_WO_start: outputs.grasps.as_ref().map(|g| g.X_WO_start),
             X_WO_goal: outputs.grasps.as_ref().and_then(|g| g.X_WO_goal),
             X_WO: state.X_WO,
@@ -70,8 +72,14 @@ impl Studio for BuiltInStudio {
             title: format!("mean manipulability m_g at the {}", if has_goal { "goal" } else { "start" }),
             scale: merit_scale(grasps),
         });
-        Picture { frame, labels: labels(input, &content), scale, bounds: None }
+        Picture { frame, labels: labels(input, &content), scale, bounds: Some(workspace(input)) }
     }
+}
+
+/// What a first look shows: the robot from the shoulders down to the table, and as much of the table as it works on.
+fn workspace(input: &ComposeInput<'_>) -> Bounds {
+    let height_m = input.scene.table.height_m;
+    Bounds { min: Point3::new(-0.10, -0.48, height_m - 0.06), max: Point3::new(0.70, 0.48, height_m + 0.72) }
 }
 
 /// Joints and object at the moment of the picture.
@@ -129,11 +137,7 @@ fn labels(input: &ComposeInput<'_>, content: &Content<'_>) -> Vec<Label> {
         let X_WS = if is_target { content.X_WO.unwrap_or(fit.superquadric.X_FS) } else { fit.superquadric.X_FS };
         let described = input.document.cloud.is_none().then(|| nearest_title(input, &fit.superquadric.X_FS)).flatten();
         let text = described.unwrap_or_else(|| format!("cluster {cluster}"));
-        labels.push(Label {
-            p_W: top_of(fit, &X_WS),
-            text,
-            tone: if is_target { Tone::Fit } else { Tone::Plain },
-        });
+        labels.push(Label { p_W: top_of(fit, &X_WS), text, tone: if is_target { Tone::Fit } else { Tone::Plain } });
         if let Some(X_WO_goal) = content.X_WO_goal.filter(|_| is_target && input.layers.opacity(Layer::Goal) > 0.0) {
             labels.push(Label { p_W: top_of(fit, &X_WO_goal), text: "goal".into(), tone: Tone::Goal });
         }

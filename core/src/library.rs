@@ -72,8 +72,8 @@ impl Library {
             return Ok(object.clone());
         }
         let json = self.text("object", name, &format!("objects/{name}.json"))?;
-        let object = HouseholdObject::parse(&json)
-            .map_err(|source| LibraryError::Object { name: name.to_owned(), source })?;
+        let object =
+            HouseholdObject::parse(&json).map_err(|source| LibraryError::Object { name: name.to_owned(), source })?;
         let object = Arc::new(object);
         lock(&self.objects).insert(name.to_owned(), object.clone());
         Ok(object)

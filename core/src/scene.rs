@@ -167,11 +167,14 @@ impl Scene {
             check(count <= MAX_THINGS, list, count, format!("at most {MAX_THINGS}"))?;
         }
         let table = &self.table;
-        for (name, value) in [("size_m[0]", table.size_m[0]), ("size_m[1]", table.size_m[1]), ("thickness_m", table.thickness_m)]
+        for (name, value) in
+            [("size_m[0]", table.size_m[0]), ("size_m[1]", table.size_m[1]), ("thickness_m", table.thickness_m)]
         {
             check(value > 0.0 && value < MAX_COORDINATE_M, &format!("table.{name}"), value, "between 0 and 10".into())?;
         }
-        for (name, value) in [("center_m[0]", table.center_m[0]), ("center_m[1]", table.center_m[1]), ("height_m", table.height_m)] {
+        for (name, value) in
+            [("center_m[0]", table.center_m[0]), ("center_m[1]", table.center_m[1]), ("height_m", table.height_m)]
+        {
             check(value.abs() < MAX_COORDINATE_M, &format!("table.{name}"), value, "within 10 m".into())?;
         }
         checked_pose("X_WC", &mut self.X_WC)?;
@@ -199,11 +202,7 @@ impl Scene {
 }
 
 fn check(holds: bool, place: &str, found: impl std::fmt::Debug, wanted: String) -> Result<(), SceneError> {
-    if holds {
-        Ok(())
-    } else {
-        Err(SceneError::Value { place: place.to_owned(), found: format!("{found:?}"), wanted })
-    }
+    if holds { Ok(()) } else { Err(SceneError::Value { place: place.to_owned(), found: format!("{found:?}"), wanted }) }
 }
 
 fn checked_pose(place: &str, X: &mut Isometry3<f64>) -> Result<(), SceneError> {

@@ -156,8 +156,10 @@ fn the_plan_for_a_seed_is_the_same_text_in_the_browser_and_natively() -> Result<
         let robot = assets::library().robot(&scene.robot)?;
         let request = Request { revision: 1, scene, cloud: None, cluster: None, grasp: None, last: Stage::Plan };
         let outputs = run_until(&request, Stage::Plan).map_err(|refusal| anyhow!("{refusal:?}"))?;
-        let plan = outputs.into_iter().find_map(|output| if let Output::Plan(plan) = output { Some(plan) } else { None });
-        let lines = plan_json_lines(&plan.context("no plan")?, &robot);
+        let plan =
+            outputs.into_iter().find_map(|output| if let Output::Plan(plan) = output { Some(plan) } else { None });
+        let plan = plan.context("no plan")?;
+        let lines = plan_json_lines(&plan, &robot);
         let native = lines.iter().map(Value::to_string).collect::<Vec<_>>().join("\n");
         let browser = plan_in_browser(&browser_with_demo(demo)?)?;
         let differs = native.bytes().zip(browser.bytes()).position(|(a, b)| a != b);

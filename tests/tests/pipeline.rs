@@ -1,5 +1,7 @@
 //! The whole pipeline on every demo and, alone on the table, on every household object, with both robots.
 
+#![allow(non_snake_case, reason = "frame letters: X_WO is the pose of O in W")]
+
 use std::sync::Arc;
 
 use endcomfort::assets;
@@ -10,7 +12,7 @@ use endcomfort_core::task::{Phase, PhaseKind, Plan};
 use endcomfort_core::watch::Watch;
 use nalgebra::Isometry3;
 
-/// Bodies may come this close without the judge's margin of 0.1 mm calling it a touch.
+/// Steps per sample of a trajectory when it is walked again.
 const DENSITY: usize = 4;
 
 fn request(scene: Scene) -> Request {
@@ -123,8 +125,7 @@ fn velocities_and_accelerations_stay_within_the_limits_sample_by_sample() {
 fn the_same_seed_gives_the_same_plan_and_another_seed_another_cloud() {
     let scene = assets::demo("glass").unwrap();
     let plan = |seed: u64| {
-        let (outputs, _) =
-            run(&mut Pipeline::new(assets::library()), &request(Scene { seed, ..scene.clone() }));
+        let (outputs, _) = run(&mut Pipeline::new(assets::library()), &request(Scene { seed, ..scene.clone() }));
         serde_json::to_string(&plan_of(outputs)).unwrap()
     };
     assert_eq!(plan(3), plan(3));

@@ -80,10 +80,11 @@ mod tests {
                 cloud: Some(DroppedCloud { name: "a.pcd".into(), bytes: vec![0, 255, 10] }),
                 cluster: Some(2),
                 grasp: None,
+                last: Stage::Rank,
             };
             let got: Request = from_bytes(&to_bytes(&sent).unwrap()).unwrap();
             assert_eq!((got.revision, got.scene, got.cloud), (sent.revision, sent.scene, sent.cloud));
-            assert_eq!((got.cluster, got.grasp), (sent.cluster, sent.grasp));
+            assert_eq!((got.cluster, got.grasp, got.last), (sent.cluster, sent.grasp, sent.last));
         }
     }
 

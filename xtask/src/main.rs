@@ -1,7 +1,7 @@
-mod robots;
-
 mod compress;
+mod figures;
 mod process;
+mod robots;
 mod serve;
 mod setup;
 mod site;
@@ -20,6 +20,10 @@ cargo xtask dist [--build-std]
     writes the static site to dist/, each file with .br and .gz beside it
 cargo xtask test
     everything that must hold: format, lints, tests, the site, a real browser
+cargo xtask figures
+    draws the pictures of the gallery and of the README
+cargo xtask robots
+    writes the meshes of the robots to robots/meshes/
 
 --build-std builds the wasm standard library from Debian's sources even where rustup has it.";
 
@@ -43,6 +47,8 @@ fn dispatch(args: &[String]) -> Result<()> {
         "serve" => serve::command(rest),
         "dist" => site::command(rest),
         "test" => suite::command(rest),
+        "figures" => figures::command(rest),
+        "robots" => robots::run(&process::root()),
         "help" | "--help" | "-h" => {
             println!("{USAGE}");
             Ok(())

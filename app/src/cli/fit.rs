@@ -58,7 +58,10 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
         if let Err(failure) = fit_one(path, args, table, common) {
             failures.push(failure.to_string());
             if common.json && args.clouds.len() > 1 {
-                println!("{}", json!({ "file": path.display().to_string(), "status": "refused", "reason": failure.to_string() }));
+                println!(
+                    "{}",
+                    json!({ "file": path.display().to_string(), "status": "refused", "reason": failure.to_string() })
+                );
             }
         }
     }
@@ -138,7 +141,14 @@ fn fit_json(file: &str, fitted: &Fit, fit_ms: f64) -> serde_json::Value {
 fn print_fit(file: &str, fitted: &Fit, fit_ms: f64) {
     let sq = &fitted.superquadric;
     println!("{file}: {} points, {} used, {fit_ms:.1} ms", fitted.points, fitted.used_points);
-    println!("  semi-axes {:.1} × {:.1} × {:.1} mm, e1 {:.2}, e2 {:.2}", sq.a * 1e3, sq.b * 1e3, sq.c * 1e3, sq.e1, sq.e2);
+    println!(
+        "  semi-axes {:.1} × {:.1} × {:.1} mm, e1 {:.2}, e2 {:.2}",
+        sq.a * 1e3,
+        sq.b * 1e3,
+        sq.c * 1e3,
+        sq.e1,
+        sq.e2
+    );
     println!(
         "  E_r {:.2} mm, E_g {:.3} (as in the tables {:.3}), volume {:.0} cm³",
         fitted.radial_m * 1e3,

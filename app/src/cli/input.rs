@@ -26,8 +26,7 @@ pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, Failure> {
 /// A cloud file in its own frame.
 pub(super) fn cloud_file(path: &Path) -> Result<Loaded<PointCloud>, Failure> {
     let bytes = read_file(path)?;
-    read_cloud(&path.to_string_lossy(), &bytes)
-        .map_err(|error| Failure::new(format!("{}: {error}", path.display())))
+    read_cloud(&path.to_string_lossy(), &bytes).map_err(|error| Failure::new(format!("{}: {error}", path.display())))
 }
 
 /// Whether a name is a demo or a scene file, as opposed to a cloud.

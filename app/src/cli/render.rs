@@ -45,16 +45,14 @@ enum ThemeName {
 
 fn size(text: &str) -> Result<[u32; 2], String> {
     let parsed = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
-    parsed.filter(|[w, h]| *w > 0 && *h > 0).ok_or_else(|| format!("found {text:?}, wanted WIDTHxHEIGHT, as in 1440x900"))
+    parsed
+        .filter(|[w, h]| *w > 0 && *h > 0)
+        .ok_or_else(|| format!("found {text:?}, wanted WIDTHxHEIGHT, as in 1440x900"))
 }
 
 pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
     let request = input::request(&args.scene, args.robot.as_deref(), common)?;
-    let last = if args.time.is_some() {
-        endcomfort_core::job::Stage::Plan
-    } else {
-        endcomfort_core::job::Stage::Rank
-    };
+    let last = if args.time.is_some() { endcomfort_core::job::Stage::Plan } else { endcomfort_core::job::Stage::Rank };
     let robot = assets::library().robot(&request.scene.robot).map_err(|error| Failure::new(error.to_string()))?;
     // A picture of a scene that cannot be planned still shows what was found on the way.
     let (outputs, refusal) = jobs::run_as_far_as_possible(&request, last);

@@ -63,7 +63,7 @@ impl Palette {
                 joint: rgb(0x1c1f23),
                 accent: rgb(0x3ec6b0),
                 neighbour: rgb(0x7d8894),
-                faint: rgba(0x8a96a3, 0.16),
+                faint: rgba(0x8a96a3, 0.05),
                 clusters: [rgb(0x6ca9ff), rgb(0xb08cff), rgb(0xf0b34a), rgb(0x8fd36b), rgb(0xe58fc0)],
             },
             Theme::Light => Self {
@@ -82,7 +82,7 @@ impl Palette {
                 joint: rgb(0x24282d),
                 accent: rgb(0x0d9a85),
                 neighbour: rgb(0x9aa4ad),
-                faint: rgba(0x69737d, 0.16),
+                faint: rgba(0x69737d, 0.07),
                 clusters: [rgb(0x2f74d8), rgb(0x7d56d6), rgb(0xc98208), rgb(0x4b9a2f), rgb(0xb84d8a)],
             },
         }
@@ -106,7 +106,11 @@ impl Palette {
     pub fn fate(&self, fate: PointFate, target: Option<usize>, target_is_gone: bool) -> [f32; 4] {
         match fate {
             PointFate::Cluster(index) if Some(usize::from(index)) == target => {
-                if target_is_gone { [0.0; 4] } else { self.accent }
+                if target_is_gone {
+                    [0.0; 4]
+                } else {
+                    self.accent
+                }
             }
             PointFate::Cluster(index) => self.clusters[usize::from(index) % self.clusters.len()],
             PointFate::SmallCluster => self.rejected,

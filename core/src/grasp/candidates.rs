@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Contact, Grasp, GraspStatus, HandModel, close, quality};
 use crate::parallel;
-use crate::superquadric::{Superquadric, SurfaceSample};
+use crate::superquadric::{DistanceField, Superquadric, SurfaceSample};
 
 /// Settings of the grasp synthesis.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -56,21 +56,27 @@ pub fn candidates(
 ) -> Vec<Grasp> {
     let object = &Superquadric { X_FS: Isometry3::identity(), ..*object };
     let dense = object.samples(WIDTH_DENSITY);
-    let shape = Shape { object, dense: &dense, opening_m: hand.opening_m(), palm_depth_m: hand.palm_depth_m() };
-    let poses: Vec<Isometry3<f64>> = object
-        .samples(settings.density)
-        .iter()
-        .flat_map(|sample| poses_at(sample, &shape, settings))
-        .collect();
+    let shape = Shape {
+        object,
+        surface: object.distance_field(),
+        dense: &dense,
+        reach_m: reach_m(hand),
+        opening_m: hand.opening_m(),
+        palm_depth_m: hand.palm_depth_m(),
+    };
+    let poses: Vec<Isometry3<f64>> =
+        object.samples(settings.density).iter().flat_map(|sample| poses_at(sample, &shape, settings)).collect();
     let numbered: Vec<(u32, Isometry3<f64>)> = (0..).zip(poses).collect();
     parallel::map(&numbered, |(id, X_OH)| judge(*id, X_OH, hand, &shape, settings, hand_hit))
 }
 
 struct Shape<'a> {
     object: &'a Superquadric,
+    surface: DistanceField,
     dense: &'a [SurfaceSample],
     opening_m: f64,
     palm_depth_m: f64,
+    reach_m: f64,
 }
 
 /// Up to four hand poses at a sample: two senses of x_H, two depths.
@@ -105,7 +111,7 @@ fn judge(
     settings: &GraspSettings,
     hand_hit: &(dyn Fn(&Isometry3<f64>, &[f64]) -> Option<HandHit> + Sync),
 ) -> Grasp {
-    let (X_OH, width_m) = centred(X_OH, hand, shape);
+    let (X_OH, width_m) = centred(X_OH, shape);
     let mut grasp = Grasp {
         id,
         X_OH,
@@ -121,7 +127,7 @@ fn judge(
         grasp.status = GraspStatus::TooWide { width_m, opening_m: shape.opening_m };
         return grasp;
     }
-    let (link, depth_m) = close::deepest(hand, &hand.link_poses(&hand.open), &X_OH, shape.object, |_| true);
+    let (link, depth_m) = close::deepest(hand, &hand.link_poses(&hand.open), &X_OH, &shape.surface, |_| true);
     if depth_m > OPEN_DIP_M {
         grasp.status = GraspStatus::HandInObject { link: hand.links[link].name.clone(), depth_m };
         return grasp;
@@ -130,14 +136,13 @@ fn judge(
         grasp.status = status_of(hit);
         return grasp;
     }
-    grasp.closed = close::close(hand, &X_OH, shape.object);
-    grasp.contacts = close::contacts(hand, &grasp.closed, &X_OH, shape.object);
+    grasp.closed = close::close(hand, &X_OH, &shape.surface);
+    grasp.contacts = close::contacts(hand, &grasp.closed, &X_OH, &shape.surface);
     if let Some(width_m) = contact_width(&grasp.contacts, &X_OH) {
         grasp.width_m = width_m;
     }
     if grasp.contacts.len() < settings.min_contacts {
-        grasp.status =
-            GraspStatus::TooFewContacts { found: grasp.contacts.len(), wanted: settings.min_contacts };
+        grasp.status = GraspStatus::TooFewContacts { found: grasp.contacts.len(), wanted: settings.min_contacts };
         return grasp;
     }
     if !opposed(&grasp.contacts, &X_OH) {
@@ -161,18 +166,19 @@ fn status_of(hit: HandHit) -> GraspStatus {
     }
 }
 
+/// How far the open fingers reach beyond the TCP, metres.
+fn reach_m(hand: &HandModel) -> f64 {
+    let X_HL = hand.link_poses(&hand.open);
+    let ends = X_HL.iter().zip(&hand.links).flat_map(|(X, link)| link.spheres.iter().map(move |(c, r)| (X * c).z + r));
+    ends.fold(f64::NEG_INFINITY, f64::max)
+}
+
 /// The hand moved along x_H until the object is centred between the fingers, and the object's width there.
-fn centred(X_OH: &Isometry3<f64>, hand: &HandModel, shape: &Shape<'_>) -> (Isometry3<f64>, f64) {
-    let reach = hand
-        .link_poses(&hand.open)
-        .iter()
-        .zip(&hand.links)
-        .flat_map(|(X, link)| link.spheres.iter().map(move |(c, r)| (X * c).z + r))
-        .fold(f64::NEG_INFINITY, f64::max);
+fn centred(X_OH: &Isometry3<f64>, shape: &Shape<'_>) -> (Isometry3<f64>, f64) {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for sample in shape.dense {
         let p_H = X_OH.inverse_transform_point(&sample.p_F);
-        if p_H.y.abs() < SLICE_HALF_M && p_H.z > -shape.palm_depth_m && p_H.z < reach {
+        if p_H.y.abs() < SLICE_HALF_M && p_H.z > -shape.palm_depth_m && p_H.z < shape.reach_m {
             low = low.min(p_H.x);
             high = high.max(p_H.x);
         }

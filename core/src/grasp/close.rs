@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Point3};
 
 use super::{Contact, HandModel};
-use crate::superquadric::Superquadric;
+use crate::superquadric::DistanceField;
 
 /// How far rubber pads and packaging give, metres: surfaces this close after closing count as touching.
 pub(super) const PAD_GIVE_M: f64 = 0.002;
@@ -21,7 +21,7 @@ pub(super) fn deepest(
     hand: &HandModel,
     X_HL: &[Isometry3<f64>],
     X_OH: &Isometry3<f64>,
-    object: &Superquadric,
+    object: &DistanceField,
     only: impl Fn(usize) -> bool,
 ) -> (usize, f64) {
     let mut worst = (0, f64::NEG_INFINITY);
@@ -50,7 +50,7 @@ pub(super) fn deepest(
 /// Every joint of a finger, proximal first, turns towards its closed position until a link that it moves touches. The
 /// gap to the object is a lower bound, and no point moves faster than the joint's lever: so the joint may advance by
 /// gap / lever without passing the first contact (conservative advancement, Mirtich 1996).
-pub(super) fn close(hand: &HandModel, X_OH: &Isometry3<f64>, object: &Superquadric) -> Vec<f64> {
+pub(super) fn close(hand: &HandModel, X_OH: &Isometry3<f64>, object: &DistanceField) -> Vec<f64> {
     let mut positions = hand.open.clone();
     for &value in hand.fingers.iter().flatten() {
         let (open, closed) = (hand.open[value], hand.closed[value]);
@@ -71,7 +71,12 @@ pub(super) fn close(hand: &HandModel, X_OH: &Isometry3<f64>, object: &Superquadr
 }
 
 /// Where the closed hand touches the object: points of the object's surface, at most four per link.
-pub(super) fn contacts(hand: &HandModel, positions: &[f64], X_OH: &Isometry3<f64>, object: &Superquadric) -> Vec<Contact> {
+pub(super) fn contacts(
+    hand: &HandModel,
+    positions: &[f64],
+    X_OH: &Isometry3<f64>,
+    object: &DistanceField,
+) -> Vec<Contact> {
     let X_HL = hand.link_poses(positions);
     let mut contacts = Vec::new();
     for (link, X_HL) in hand.links.iter().zip(&X_HL) {
@@ -94,9 +99,7 @@ pub(super) fn contacts(hand: &HandModel, positions: &[f64], X_OH: &Isometry3<f64
             let (distance_m, n_O) = object.signed_distance_and_normal(&p_O);
             let surface = p_O - n_O * distance_m;
             let taken: &[Contact] = &contacts[first..];
-            if taken.len() < CONTACTS_PER_LINK
-                && taken.iter().all(|c| (c.p_O - surface).norm() >= CONTACT_SPACING_M)
-            {
+            if taken.len() < CONTACTS_PER_LINK && taken.iter().all(|c| (c.p_O - surface).norm() >= CONTACT_SPACING_M) {
                 contacts.push(Contact { p_O: surface, n_O, link: link.name.clone() });
             }
         }

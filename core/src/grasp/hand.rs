@@ -172,7 +172,9 @@ fn lever(links: &[HandLink], value: usize) -> f64 {
     for (index, link) in links.iter().enumerate() {
         let own = link.motion.filter(|(_, m)| m.index == value);
         outwards[index] = match (own, outwards[link.parent]) {
-            (Some((kind, m)), _) => Some(if kind == JointKind::Prismatic { (m.multiplier.abs(), 0.0) } else { (0.0, m.multiplier.abs()) }),
+            (Some((kind, m)), _) => {
+                Some(if kind == JointKind::Prismatic { (m.multiplier.abs(), 0.0) } else { (0.0, m.multiplier.abs()) })
+            }
             (None, Some((slide, chain))) => Some((slide, chain)),
             (None, None) => None,
         };
@@ -236,7 +238,8 @@ fn cover(geometry: &Geometry, X_LC: &Isometry3<f64>) -> Vec<(Point3<f64>, f64)> 
                         let on_face = i == 0 || i == steps.x || j == 0 || j == steps.y || k == 0 || k == steps.z;
                         if on_face {
                             let u = |n: i64, of: i64, size: f64| size * (n as f64 / of as f64 - 0.5);
-                            let p = Point3::new(u(i, steps.x, size_m.x), u(j, steps.y, size_m.y), u(k, steps.z, size_m.z));
+                            let p =
+                                Point3::new(u(i, steps.x, size_m.x), u(j, steps.y, size_m.y), u(k, steps.z, size_m.z));
                             points.push((X_LC * p, 0.0));
                         }
                     }

@@ -31,13 +31,16 @@ impl Reach<'_> {
 
         let mut situated = Situated::default();
         let mut reasons: Vec<(String, usize)> = Vec::new();
-        let mut turn_away = |reason: String, times: usize| match reasons.iter_mut().find(|(known, _)| *known == reason) {
+        let mut turn_away = |reason: String, times: usize| match reasons.iter_mut().find(|(known, _)| *known == reason)
+        {
             Some((_, count)) => *count += times,
             None => reasons.push((reason, times)),
         };
         match found.rejected.first() {
             // One reject for the whole pose says by how much.
-            Some(reject @ (IkReject::OutOfReach { .. } | IkReject::TooClose { .. })) => turn_away(reject.to_string(), 1),
+            Some(reject @ (IkReject::OutOfReach { .. } | IkReject::TooClose { .. })) => {
+                turn_away(reject.to_string(), 1)
+            }
             _ => found.reject_counts().into_iter().for_each(|(reason, times)| turn_away(reason, times)),
         }
         let mut q = self.q_rest.to_vec();

@@ -32,8 +32,7 @@ pub fn synthetic_cloud(scene: &Scene, library: &Library) -> Result<PointCloud, R
         .map(|placed| library.object(&placed.object).map(|object| object.as_ref().clone()))
         .collect::<Result<Vec<_>, _>>()
         .map_err(|error| refused(error.to_string()))?;
-    let view =
-        view_scene(scene, &objects, &RgbdCamera::default()).map_err(|error| refused(error.to_string()))?;
+    let view = view_scene(scene, &objects, &RgbdCamera::default()).map_err(|error| refused(error.to_string()))?;
     Ok(view.cloud)
 }
 
@@ -47,8 +46,7 @@ pub(super) fn scene_output(
     let Some(file) = dropped else {
         return Ok(SceneOutput { cloud: synthetic_cloud(scene, library)?, notes: Vec::new() });
     };
-    let loaded =
-        read_cloud(&file.name, &file.bytes).map_err(|error| refused(format!("{}: {error}", file.name)))?;
+    let loaded = read_cloud(&file.name, &file.bytes).map_err(|error| refused(format!("{}: {error}", file.name)))?;
     let found = segment(&loaded.value, &scene.segment, scene.seed, watch)
         .map_err(|refusal| refused(format!("{}: {refusal}", file.name)))?;
     let spot = TableSpot { height_m: scene.table.height_m, spot_m: DROPPED_AT_M, cluster: 0 };
@@ -74,11 +72,8 @@ pub(super) fn segment_output(
     if found.clusters.is_empty() {
         return Err(refused("nothing stands on the table but the boxes that the robot knows"));
     }
-    let clusters: Vec<Vec<Point3<f64>>> = found
-        .clusters
-        .iter()
-        .map(|indices| indices.iter().map(|&i| cloud.points[i as usize]).collect())
-        .collect();
+    let clusters: Vec<Vec<Point3<f64>>> =
+        found.clusters.iter().map(|indices| indices.iter().map(|&i| cloud.points[i as usize]).collect()).collect();
     let target = match cluster {
         Some(index) if index < clusters.len() => index,
         Some(index) => {

@@ -137,8 +137,7 @@ pub(super) fn grasp_candidates(
 
 /// Grasps with their IK sets at start and goal: accepted ones first, best first, then the rest in order of generation.
 pub(super) fn ranked(cell: &Workcell, grasps: &[Grasp], watch: Watch<'_>) -> Result<Vec<Grasp>, Refusal> {
-    let goal_supports: Option<Vec<String>> =
-        cell.X_WO_goal.map(|X_WO_goal| cell.supports(&X_WO_goal));
+    let goal_supports: Option<Vec<String>> = cell.X_WO_goal.map(|X_WO_goal| cell.supports(&X_WO_goal));
     let mut judged = parallel::map(grasps, |grasp| {
         let mut grasp = grasp.clone();
         if grasp.is_accepted() && !watch.should_stop() {
@@ -165,8 +164,7 @@ fn merit(grasp: &Grasp) -> f64 {
 
 fn situate(cell: &Workcell, grasp: &mut Grasp, goal_supports: Option<&[String]>) {
     let q_rest = cell.q_with_fingers(&grasp.closed);
-    let reach =
-        Reach { robot: &cell.robot, arm: cell.arm(), ik: &cell.ik, q_rest: &q_rest, arm_angles: ARM_ANGLES };
+    let reach = Reach { robot: &cell.robot, arm: cell.arm(), ik: &cell.ik, q_rest: &q_rest, arm_angles: ARM_ANGLES };
     let at = |X_WO: &Isometry3<f64>, situation: Result<Situation, CollisionError>| -> Situated {
         let checker = match situation.and_then(|situation| cell.checker(&situation)) {
             Ok(checker) => checker,
@@ -177,9 +175,7 @@ fn situate(cell: &Workcell, grasp: &mut Grasp, goal_supports: Option<&[String]>)
     };
     let start = at(&cell.X_WO_start, cell.grasping(&cell.X_WO_start, &grasp.closed));
     let goal = match (start.ik_count > 0, cell.X_WO_goal, goal_supports) {
-        (true, Some(X_WO_goal), Some(supports)) => {
-            Some(at(&X_WO_goal, cell.carrying(grasp, supports)))
-        }
+        (true, Some(X_WO_goal), Some(supports)) => Some(at(&X_WO_goal, cell.carrying(grasp, supports))),
         _ => None,
     };
     if start.ik_count == 0 {

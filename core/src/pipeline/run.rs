@@ -75,21 +75,22 @@ impl Pipeline {
         let mut inputs = vec![
             text(&(&scene.table, &scene.objects, &scene.obstacles, &scene.X_WC, scene.seed)),
             // A file is known by its name, length and content.
-            dropped.map_or_else(String::new, |file| format!("{} {} {:x}", file.name, file.bytes.len(), digest(&file.bytes))),
+            dropped.map_or_else(String::new, |file| {
+                format!("{} {} {:x}", file.name, file.bytes.len(), digest(&file.bytes))
+            }),
         ];
         if dropped.is_some() {
             inputs.push(text(&scene.segment));
         }
-        let seen =
-            self.scene.get(inputs.clone(), || perceive::scene_output(scene, dropped, library, watch))?;
+        let seen = self.scene.get(inputs.clone(), || perceive::scene_output(scene, dropped, library, watch))?;
         if stage == Stage::Scene {
             return Ok(Output::Scene(seen.clone()));
         }
 
         inputs.push(text(&(&scene.segment, request.cluster, scene.task.object())));
-        let segments = self.segment.get(inputs.clone(), || {
-            perceive::segment_output(scene, seen, dropped.is_some(), request.cluster, watch)
-        })?;
+        let segments = self
+            .segment
+            .get(inputs.clone(), || perceive::segment_output(scene, seen, dropped.is_some(), request.cluster, watch))?;
         if stage == Stage::Segment {
             return Ok(Output::Segment(segments.clone()));
         }

@@ -15,6 +15,8 @@ use crate::watch::Watch;
 /// Distance between poses on a straight way, metres, and radians.
 const STRAIGHT_STEP_M: f64 = 0.01;
 const STRAIGHT_STEP_RAD: f64 = 0.1;
+/// Searches of which the shortest path is taken: an RRT's first path may be a long way round.
+const SEARCHES: u64 = 6;
 /// Arm angles tried to either side of the present one when a straight way is followed, radians.
 const ARM_ANGLE_STEPS: [f64; 7] = [0.0, 0.04, -0.04, 0.1, -0.1, 0.2, -0.2];
 
@@ -82,28 +84,23 @@ impl Mover<'_> {
     }
 
     /// A searched and shortened way to any of the goals, and which one it is.
-    pub(super) fn search(
-        &self,
-        space: &ArmSpace,
-        start: &[f64],
-        goals: &[Vec<f64>],
-    ) -> Result<(Path, usize), String> {
-        match plan_path(space, start, goals, &BirrtSettings::default(), self.seed, &self.watch) {
-            PlanOutcome::Found(found) => {
-                let shortened = shorten(space, &found.path, &ShortcutSettings::default(), self.seed, &self.watch);
-                Ok((shortened, found.goal))
+    pub(super) fn search(&self, space: &ArmSpace, start: &[f64], goals: &[Vec<f64>]) -> Result<(Path, usize), String> {
+        let mut best: Option<(Path, usize)> = None;
+        for attempt in 0..SEARCHES {
+            let seed = self.seed.wrapping_add(attempt);
+            let outcome = plan_path(space, start, goals, &BirrtSettings::default(), seed, &self.watch);
+            let PlanOutcome::Found(found) = outcome else {
+                return best.ok_or_else(|| outcome_reason(outcome));
+            };
+            let path = shorten(space, &found.path, &ShortcutSettings::default(), seed, &self.watch);
+            if best.as_ref().is_none_or(|(shortest, _)| path.length_rad() < shortest.length_rad()) {
+                best = Some((path, found.goal));
             }
-            PlanOutcome::StartInvalid { fault } => Err(format!("the start posture: {fault}")),
-            PlanOutcome::StartInCollision { pair } => Err(format!("in the start posture {} hits {}", pair.a, pair.b)),
-            PlanOutcome::GoalsInvalid { count, .. } => Err(format!("none of {count} goals is within the joint limits")),
-            PlanOutcome::GoalsInCollision { first, count } => {
-                Err(format!("at all {count} goals something is hit, first {} {}", first.a, first.b))
+            if found.nodes == 0 {
+                break; // straight there: no search makes it shorter
             }
-            PlanOutcome::NoPath { nodes, iterations, nearest_gap_rad } => Err(format!(
-                "no path among {nodes} nodes after {iterations} draws; the trees stayed {nearest_gap_rad:.2} rad apart"
-            )),
-            PlanOutcome::Stopped => Err("stopped".into()),
         }
+        best.ok_or_else(|| "stopped".to_owned())
     }
 
     /// The phase that moves the arm along a path with the fingers at rest.
@@ -177,6 +174,22 @@ pub(super) fn reversed(path: &Path) -> Path {
 /// One path after the other; the second starts where the first ends.
 pub(super) fn joined(first: &Path, second: &Path) -> Path {
     Path { points: first.points.iter().chain(second.points.iter().skip(1)).cloned().collect() }
+}
+
+/// Why a search found nothing, for a person.
+fn outcome_reason(outcome: PlanOutcome) -> String {
+    match outcome {
+        PlanOutcome::StartInvalid { fault } => format!("the start posture: {fault}"),
+        PlanOutcome::StartInCollision { pair } => format!("in the start posture {} hits {}", pair.a, pair.b),
+        PlanOutcome::GoalsInvalid { count, .. } => format!("none of {count} goals is within the joint limits"),
+        PlanOutcome::GoalsInCollision { first, count } => {
+            format!("at all {count} goals something is hit, first {} and {}", first.a, first.b)
+        }
+        PlanOutcome::NoPath { nodes, iterations, nearest_gap_rad } => format!(
+            "no path among {nodes} nodes after {iterations} draws; the trees stayed {nearest_gap_rad:.2} rad apart"
+        ),
+        PlanOutcome::Found(_) | PlanOutcome::Stopped => "stopped".into(),
+    }
 }
 
 fn stop_reason(stop: &CartesianStop) -> String {

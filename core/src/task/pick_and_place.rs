@@ -200,9 +200,8 @@ fn straight_ways(
     let solutions = situated.map(|situated| most_manipulable(situated, mover.settings.tries_per_set));
     for (index, q) in solutions.unwrap_or_default().into_iter().enumerate() {
         let back = mover.back_off(open, q, X_WH).map_err(setback(back_phase));
-        let rise = back.and_then(|back| {
-            mover.rise(carrying, q, X_WH).map(|rise| (back, rise)).map_err(setback(rise_phase))
-        });
+        let rise =
+            back.and_then(|back| mover.rise(carrying, q, X_WH).map(|rise| (back, rise)).map_err(setback(rise_phase)));
         match rise {
             Ok((back, rise)) => found.push(Ways { grasp: q.to_vec(), back, rise }),
             Err(reason) if index == 0 => first = reason,

@@ -270,6 +270,9 @@ fn plan(grasp: Grasp) -> Plan {
         })
         .collect();
     Plan {
+        X_WO_start: Isometry3::identity(),
+        X_WO_end: Isometry3::identity(),
+        tcp_link: 0,
         arm: "right".to_owned(),
         grasp,
         phases,

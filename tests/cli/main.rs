@@ -1,0 +1,237 @@
+//! The command line end to end, on bundled demos and on the real clouds where they are at hand.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+/// The program, without a display.
+fn endcomfort(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_endcomfort"))
+        .args(args)
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .output()
+        .expect("the program starts")
+}
+
+fn lines(output: &Output) -> Vec<Value> {
+    let text = String::from_utf8_lossy(&output.stdout);
+    text.lines().map(|line| serde_json::from_str(line).unwrap_or_else(|e| panic!("{e} in {line}"))).collect()
+}
+
+fn json(args: &[&str]) -> Vec<Value> {
+    let output = endcomfort(args);
+    assert!(output.status.success(), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+    lines(&output)
+}
+
+/// A file of the shared data, or a word that the test is skipped.
+fn data(path: &str) -> Option<String> {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data").join(path);
+    if file.is_file() {
+        return Some(file.to_string_lossy().into_owned());
+    }
+    println!("skipped: no data ({path})");
+    None
+}
+
+fn scratch(name: &str) -> PathBuf {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    std::fs::create_dir_all(folder).unwrap();
+    folder.join(name)
+}
+
+fn has_keys(value: &Value, keys: &[&str]) {
+    for key in keys {
+        assert!(value.get(key).is_some(), "no {key:?} in {value}");
+    }
+}
+
+#[test]
+fn a_real_mug_on_a_table_is_one_cluster_in_both_captures() {
+    for scene in ["scenes/gpd_table_mug.pcd", "scenes/pcl_table_scene_mug_stereo_textured.pcd"] {
+        let Some(file) = data(scene) else { return };
+        let found = &json(&["segment", &file, "--json"])[0];
+        assert_eq!(found["clusters"].as_array().unwrap().len(), 1, "{scene}: {found}");
+        has_keys(found, &["file", "points", "table", "fates", "segment_ms"]);
+        let fates: u64 = found["fates"].as_object().unwrap().values().map(|n| n.as_u64().unwrap()).sum();
+        assert_eq!(fates, found["points"].as_u64().unwrap(), "every point has one fate");
+    }
+}
+
+#[test]
+fn segment_writes_clusters_that_fit_reads() {
+    let folder = scratch("clusters");
+    let found = &json(&["segment", "mustard", "--json", "--out", &folder.to_string_lossy()])[0];
+    let count = found["clusters"].as_array().unwrap().len();
+    assert_eq!(count, 5);
+    let files: Vec<String> =
+        (0..count).map(|k| folder.join(format!("cluster_{k}.ply")).to_string_lossy().into_owned()).collect();
+    let mut args = vec!["fit", "--json"];
+    args.extend(files.iter().map(String::as_str));
+    assert_eq!(json(&args).len(), count);
+}
+
+#[test]
+fn fit_speaks_the_promised_json() {
+    let Some(file) = data("ycb/clouds/005_tomato_soup_can.ply").or_else(|| data("ycb/clouds/056_tennis_ball.ply"))
+    else {
+        return;
+    };
+    let fit = &json(&["fit", &file, "--json", "--mirror", "off"])[0];
+    has_keys(
+        fit,
+        &[
+            "file",
+            "points",
+            "used_points",
+            "superquadric",
+            "radial_m",
+            "goodness_of_fit",
+            "goodness_of_fit_abs",
+            "volume_m3",
+            "iterations",
+            "fit_ms",
+        ],
+    );
+    let sq = &fit["superquadric"];
+    has_keys(sq, &["semi_axes_m", "exponents", "translation_m", "rotation_xyzw", "taper", "bend_per_m"]);
+    // A tennis ball of 33 mm radius.
+    for axis in sq["semi_axes_m"].as_array().unwrap() {
+        assert!((axis.as_f64().unwrap() - 0.0333).abs() < 0.002, "{sq}");
+    }
+    assert!(fit["radial_m"].as_f64().unwrap() < 0.001, "{fit}");
+}
+
+#[test]
+fn grasps_speak_the_promised_json_best_first() {
+    let rows =
+        json(&["grasps", "coffee_jar", "--robot", "crichton", "--arm", "left", "--place", "0.45,0.35,0.77", "--json"]);
+    for row in &rows {
+        has_keys(
+            row,
+            &[
+                "rank",
+                "object_from_hand",
+                "m_g_start",
+                "m_g_goal",
+                "ik_count_start",
+                "ik_count_goal",
+                "contacts",
+                "epsilon",
+                "width_m",
+                "status",
+                "reason",
+                "elapsed_ms",
+            ],
+        );
+        assert_eq!(row["object_from_hand"].as_array().unwrap().len(), 16);
+        let accepted = row["status"] == "accepted";
+        assert_eq!(accepted, row["rank"].is_u64());
+        assert_eq!(accepted, row["reason"] == "", "{row}");
+    }
+    let merits: Vec<f64> =
+        rows.iter().filter(|r| r["rank"].is_u64()).map(|r| r["m_g_goal"].as_f64().unwrap()).collect();
+    assert!(merits.len() > 3 && merits.windows(2).all(|pair| pair[0] >= pair[1]), "{merits:?}");
+    let top = json(&["grasps", "coffee_jar", "--robot", "alita", "--arm", "right", "--top", "3", "--json"]);
+    assert_eq!(top.len(), 3);
+}
+
+#[test]
+fn a_plan_is_the_same_text_twice_and_has_every_phase() {
+    let args = ["plan", "place", "jar", "--seed", "11", "--json"];
+    let (first, second) = (endcomfort(&args), endcomfort(&args));
+    assert!(first.status.success() && first.stdout == second.stdout);
+    let phases: Vec<String> = lines(&first).iter().map(|l| l["phase"].as_str().unwrap().to_owned()).collect();
+    assert_eq!(phases, ["reach", "close", "lift", "transport", "place", "open", "retreat"]);
+    let pick = json(&["plan", "pick", "mustard", "--json"]);
+    assert_eq!(pick.len(), 3);
+    has_keys(&pick[0], &["joint_names", "times_s", "positions", "duration_s", "start_s", "arm"]);
+}
+
+#[test]
+fn the_other_robot_can_be_asked_for() {
+    let crichton = json(&["plan", "pick", "mustard", "--robot", "crichton", "--json"]);
+    let names = crichton[0]["joint_names"].to_string();
+    assert!(names.contains("finger"), "{names}");
+}
+
+#[test]
+fn a_real_dropped_cloud_is_grasped_on_the_robots_table() {
+    let Some(file) = data("scenes/pcl_table_scene_mug_stereo_textured.pcd") else { return };
+    let rows = json(&["grasps", &file, "--robot", "crichton", "--arm", "left", "--json"]);
+    assert!(rows.len() > 50, "{} candidates", rows.len());
+    assert!(rows[0]["rank"] == 1, "the mug can be grasped: {}", rows[0]);
+}
+
+#[test]
+fn refusals_exit_with_1_and_name_the_place_and_bad_usage_with_2() {
+    let broken = scratch("broken.pcd");
+    std::fs::write(&broken, "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 10\nHEIGHT 1\nPOINTS 10\nDATA ascii\n0 0 0\n").unwrap();
+    let broken = broken.to_string_lossy().into_owned();
+    for args in [
+        vec!["segment", &broken],
+        vec!["fit", &broken],
+        vec!["grasps", &broken],
+        vec!["check", &broken],
+        vec!["plan", "place", "no_such_demo"],
+        vec!["render", "no_such_demo", "--out", "x.png"],
+    ] {
+        let output = endcomfort(&args);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{args:?}: {said}");
+        assert!(said.contains("broken.pcd") || said.contains("no_such_demo"), "{args:?}: {said}");
+        assert!(!said.contains("panicked"), "{said}");
+    }
+    assert_eq!(endcomfort(&["fit"]).status.code(), Some(2));
+    assert_eq!(endcomfort(&["plan", "dance", "jar"]).status.code(), Some(2));
+    let refused = endcomfort(&["fit", &broken, "--json"]);
+    assert_eq!(lines(&refused)[0]["status"], "refused");
+}
+
+#[test]
+fn check_tells_what_clouds_objects_scenes_and_robots_hold() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let file = |path: &str| root.join(path).to_string_lossy().into_owned();
+    let files = [file("objects/coffee_jar.json"), file("objects/scenes/jar.json"), file("robots/alita/alita.urdf")];
+    let mut args = vec!["check", "--json"];
+    args.extend(files.iter().map(String::as_str));
+    let reports = json(&args);
+    let kinds: Vec<&str> = reports.iter().map(|r| r["kind"].as_str().unwrap()).collect();
+    assert_eq!(kinds, ["object", "scene", "robot"]);
+    assert_eq!(reports[2]["arms"], serde_json::json!(["left", "right"]));
+    assert_eq!(reports[2]["notes"], serde_json::json!([]), "every mesh is found");
+}
+
+#[test]
+fn without_a_display_the_window_says_what_to_do_instead() {
+    let output = endcomfort(&[]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(said.contains("cargo xtask serve") && said.contains("render"), "{said}");
+}
+
+#[test]
+fn render_draws_a_demo_at_a_moment_with_the_robot_in_view() {
+    let draw = |name: &str, more: &[&str]| {
+        let path = scratch(name).to_string_lossy().into_owned();
+        let mut args = vec!["render", "jar", "--size", "480x300", "--out", &path];
+        args.extend(more);
+        let output = endcomfort(&args);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        image::open(&path).unwrap().to_rgba8()
+    };
+    let still = draw("still.png", &["--time", "0"]);
+    assert_eq!(still.dimensions(), (480, 300));
+    let colors: std::collections::BTreeSet<[u8; 4]> = still.pixels().map(|p| p.0).collect();
+    assert!(colors.len() > 500, "only {} colours", colors.len());
+    // Pale shells of the robot: nothing else in the dark theme is that bright.
+    let pale = still.pixels().filter(|p| p.0[..3].iter().all(|&c| c > 170)).count();
+    assert!(pale > 480 * 300 / 200, "only {pale} pale pixels");
+    let later = draw("later.png", &["--time", "11"]);
+    let changed = still.pixels().zip(later.pixels()).filter(|(a, b)| a != b).count();
+    assert!(changed > 480 * 300 / 100, "only {changed} pixels changed while the robot moved");
+    let clear = draw("clear.png", &["--transparent"]);
+    assert!(clear.pixels().any(|p| p.0[3] == 0) && clear.pixels().any(|p| p.0[3] == 255));
+}

@@ -1,0 +1,39 @@
+//! `cargo xtask figures`: the pictures of the gallery and of the README, drawn by the program itself.
+
+use std::process::Command;
+
+use anyhow::{Result, bail};
+
+use crate::{process, setup};
+
+/// A picture: where it goes, and what `endcomfort render` is asked for.
+struct Figure {
+    path: &'static str,
+    arguments: &'static [&'static str],
+}
+
+const FIGURES: [Figure; 5] = [
+    Figure { path: "objects/scenes/mustard.png", arguments: &["mustard", "--time", "9", "--size", "480x320"] },
+    Figure { path: "objects/scenes/jar.png", arguments: &["jar", "--time", "11", "--size", "480x320"] },
+    Figure { path: "objects/scenes/glass.png", arguments: &["glass", "--time", "14", "--size", "480x320"] },
+    Figure { path: "docs/grasps.png", arguments: &["glass", "--size", "1200x750", "--theme", "light"] },
+    Figure { path: "docs/plan.png", arguments: &["jar", "--time", "11", "--size", "1200x750"] },
+];
+
+/// Draws every picture.
+pub(crate) fn command(args: &[String]) -> Result<()> {
+    if let Some(arg) = args.first() {
+        bail!("`figures` has no option {arg:?}");
+    }
+    setup::for_tests()?;
+    // With the whole workspace, so that the libraries compiled for the tests serve here too.
+    process::run(process::cargo().args(["build", "--workspace", "--bin", "endcomfort"]))?;
+    let root = process::root();
+    std::fs::create_dir_all(root.join("docs"))?;
+    for figure in FIGURES {
+        let mut render = Command::new(root.join("target/debug/endcomfort"));
+        render.arg("render").args(figure.arguments).arg("--out").arg(root.join(figure.path));
+        process::run(&mut render)?;
+    }
+    Ok(())
+}
