@@ -4,12 +4,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 
+use crate::assets;
+use crate::clock::stopwatch;
 use endcomfort_core::job::{Output, Refusal, Request, Stage, Update};
 use endcomfort_core::pipeline::Pipeline;
 use endcomfort_core::watch::Watch;
-use web_time::Instant;
-
-use crate::assets;
 
 /// A thread that runs the pipeline.
 pub struct Worker {
@@ -68,8 +67,7 @@ pub fn run(
     should_stop: &(dyn Fn() -> bool + Sync),
     emit: &mut dyn FnMut(Update),
 ) {
-    let started = Instant::now();
-    let now_ms = move || started.elapsed().as_secs_f64() * 1e3;
+    let now_ms = stopwatch();
     pipeline.run(request, &Watch::new(should_stop, &|_, _| (), &now_ms), emit);
 }
 

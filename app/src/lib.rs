@@ -7,6 +7,7 @@
 pub mod assets;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod cli;
+pub mod clock;
 pub mod compose;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod figures;

@@ -38,7 +38,7 @@ fn data(path: &str) -> Option<String> {
 
 fn scratch(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    std::fs::create_dir_all(folder).unwrap();
+    std::fs::create_dir_all(folder).expect("a scratch folder can be made");
     folder.join(name)
 }
 

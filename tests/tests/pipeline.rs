@@ -36,7 +36,7 @@ fn plan_of(outputs: Vec<Output>) -> Option<Plan> {
 fn check_phases(plan: &Plan, wanted: &[PhaseKind]) {
     let kinds: Vec<PhaseKind> = plan.phases.iter().map(|phase| phase.kind).collect();
     assert_eq!(kinds, wanted);
-    let last = |phase: &Phase| phase.trajectory.positions.last().cloned().unwrap();
+    let last = |phase: &Phase| phase.trajectory.positions.last().cloned().unwrap_or_default();
     for pair in plan.phases.windows(2) {
         let (end, start) = (last(&pair[0]), &pair[1].trajectory.positions[0]);
         let jump = end.iter().zip(start).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -106,8 +106,8 @@ fn velocities_and_accelerations_stay_within_the_limits_sample_by_sample() {
     let arm_columns = robot.arm(&plan.arm).unwrap().dofs.len();
     for phase in &plan.phases {
         let (times, positions) = (&phase.trajectory.times_s, &phase.trajectory.positions);
-        for column in 0..arm_columns {
-            let limit = robot.joints[robot.dof_joints[plan.dofs[column]]].limit;
+        for (column, &dof) in plan.dofs.iter().enumerate().take(arm_columns) {
+            let limit = robot.joints[robot.dof_joints[dof]].limit;
             let speed = |k: usize| (positions[k + 1][column] - positions[k][column]) / (times[k + 1] - times[k]);
             for k in 0..times.len() - 1 {
                 assert!(speed(k).abs() <= limit.velocity * 1.001, "{:?} joint {column}", phase.kind);
@@ -170,8 +170,9 @@ fn every_rejected_grasp_says_why_and_every_accepted_one_can_be_reached() {
 
 /// The object alone on the table, in reach of the left arm, to be moved 12 cm outwards.
 fn alone(object: &str, robot: &str) -> Scene {
-    let base = assets::demo("mustard").unwrap();
-    let height = base.table.height_m + assets::library().object(object).unwrap().half_extents().z;
+    let base = assets::demo("mustard").expect("the demo is there");
+    let object_height = assets::library().object(object).expect("the object is there").half_extents().z;
+    let height = base.table.height_m + object_height;
     Scene {
         robot: robot.to_owned(),
         arm: ArmChoice::Left,

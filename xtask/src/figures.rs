@@ -13,11 +13,11 @@ struct Figure {
 }
 
 const FIGURES: [Figure; 5] = [
-    Figure { path: "objects/scenes/mustard.png", arguments: &["mustard", "--time", "9", "--size", "480x320"] },
-    Figure { path: "objects/scenes/jar.png", arguments: &["jar", "--time", "11", "--size", "480x320"] },
-    Figure { path: "objects/scenes/glass.png", arguments: &["glass", "--time", "14", "--size", "480x320"] },
-    Figure { path: "docs/grasps.png", arguments: &["glass", "--size", "1200x750", "--theme", "light"] },
-    Figure { path: "docs/plan.png", arguments: &["jar", "--time", "11", "--size", "1200x750"] },
+    Figure { path: "objects/scenes/mustard.png", arguments: &["mustard", "--time", "9", "--size", "360x240"] },
+    Figure { path: "objects/scenes/jar.png", arguments: &["jar", "--time", "11", "--size", "360x240"] },
+    Figure { path: "objects/scenes/glass.png", arguments: &["glass", "--time", "14", "--size", "360x240"] },
+    Figure { path: "docs/grasps.png", arguments: &["glass", "--size", "960x600", "--theme", "light"] },
+    Figure { path: "docs/plan.png", arguments: &["jar", "--time", "11", "--size", "960x600"] },
 ];
 
 /// Draws every picture.

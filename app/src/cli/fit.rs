@@ -8,9 +8,9 @@ use endcomfort_core::segment::Plane;
 use endcomfort_core::watch::Watch;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 use serde_json::json;
-use web_time::Instant;
 
 use super::{Common, Failure, input};
+use crate::clock::stopwatch;
 
 #[derive(clap::Args)]
 pub(super) struct Args {
@@ -109,10 +109,10 @@ fn fit_one(path: &Path, args: &Args, table: Option<Plane>, common: &Common) -> R
         },
         ..FitSettings::default()
     };
-    let started = Instant::now();
+    let elapsed_ms = stopwatch();
     let fitted = fit(FitInput { points: &cloud.points, X_FC, table }, &settings, Watch::idle())
         .map_err(|refusal| Failure::new(format!("{shown}: {refusal}")))?;
-    let fit_ms = started.elapsed().as_secs_f64() * 1e3;
+    let fit_ms = elapsed_ms();
     if common.json {
         println!("{}", fit_json(&shown, &fitted, fit_ms));
     } else {

@@ -5,9 +5,9 @@ use endcomfort_core::job::{Output, Request, Stage};
 use endcomfort_core::scene::{ArmChoice, PlacedObject, Scene, Task};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use serde_json::json;
-use web_time::Instant;
 
 use super::{ArmName, Common, Failure, input};
+use crate::clock::stopwatch;
 use crate::{assets, jobs};
 
 #[derive(clap::Args)]
@@ -40,9 +40,9 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
     if let Some(goal) = goal(args)? {
         request.scene.task = Task::PickAndPlace { object: request.scene.task.object(), X_WO_goal: goal };
     }
-    let started = Instant::now();
+    let stopwatch = stopwatch();
     let results = jobs::run_until(&request, Stage::Rank)?;
-    let elapsed_ms = started.elapsed().as_secs_f64() * 1e3;
+    let elapsed_ms = stopwatch();
     let Some(Output::Rank(ranked)) = results.into_iter().find(|output| matches!(output, Output::Rank(_))) else {
         return Err(Failure::new("the pipeline ended without a ranking"));
     };

@@ -7,10 +7,10 @@ use endcomfort_core::pipeline::synthetic_cloud;
 use endcomfort_core::segment::{PointFate, SegmentSettings, segment};
 use endcomfort_core::watch::Watch;
 use serde_json::json;
-use web_time::Instant;
 
 use super::{Common, Failure, input};
 use crate::assets;
+use crate::clock::stopwatch;
 
 #[derive(clap::Args)]
 pub(super) struct Args {
@@ -31,10 +31,10 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
         loaded.notes.iter().for_each(|note| eprintln!("{note}"));
         (loaded.value, SegmentSettings::default(), common.seed.unwrap_or(0))
     };
-    let started = Instant::now();
+    let elapsed_ms = stopwatch();
     let found = segment(&cloud, &settings, seed, Watch::idle())
         .map_err(|refusal| Failure::new(format!("{}: {refusal}", args.scene)))?;
-    let segment_ms = started.elapsed().as_secs_f64() * 1e3;
+    let segment_ms = elapsed_ms();
 
     let count = |wanted: fn(&PointFate) -> bool| found.fates.iter().filter(|fate| wanted(fate)).count();
     let fates = json!({

@@ -35,6 +35,9 @@ pub struct HandHit {
     pub other: String,
 }
 
+/// Says what the hand alone meets at a pose `X_OH` with these finger positions.
+pub type HandHits<'a> = dyn Fn(&Isometry3<f64>, &[f64]) -> Option<HandHit> + Sync + 'a;
+
 /// Density of the samples from which widths are read: about 900 over the object.
 const WIDTH_DENSITY: u32 = 53;
 /// Half thickness of the slice in which the width across the fingers is read, metres: half a three-finger hand.
@@ -52,7 +55,7 @@ pub fn candidates(
     hand: &HandModel,
     object: &Superquadric,
     settings: &GraspSettings,
-    hand_hit: &(dyn Fn(&Isometry3<f64>, &[f64]) -> Option<HandHit> + Sync),
+    hand_hit: &HandHits<'_>,
 ) -> Vec<Grasp> {
     let object = &Superquadric { X_FS: Isometry3::identity(), ..*object };
     let dense = object.samples(WIDTH_DENSITY);
@@ -109,7 +112,7 @@ fn judge(
     hand: &HandModel,
     shape: &Shape<'_>,
     settings: &GraspSettings,
-    hand_hit: &(dyn Fn(&Isometry3<f64>, &[f64]) -> Option<HandHit> + Sync),
+    hand_hit: &HandHits<'_>,
 ) -> Grasp {
     let (X_OH, width_m) = centred(X_OH, shape);
     let mut grasp = Grasp {

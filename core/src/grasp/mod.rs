@@ -6,7 +6,7 @@ mod hand;
 mod quality;
 mod situate;
 
-pub use candidates::{GraspSettings, HandHit, candidates};
+pub use candidates::{GraspSettings, HandHit, HandHits, candidates};
 pub use hand::HandModel;
 pub use quality::epsilon;
 pub use situate::Reach;

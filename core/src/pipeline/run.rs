@@ -126,7 +126,7 @@ impl Pipeline {
 
         inputs.push(text(&request.grasp));
         let plan = self.plan.get(inputs, || {
-            let task = PickAndPlace { cell: cell, ranked, chosen: request.grasp, seed: scene.seed };
+            let task = PickAndPlace { cell, ranked, chosen: request.grasp, seed: scene.seed };
             plan_pick_and_place(&task, &MotionSettings::default(), watch)
         })?;
         Ok(Output::Plan(Box::new(plan.clone())))

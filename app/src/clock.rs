@@ -1,0 +1,13 @@
+//! The one place that reads the clock.
+
+use web_time::Instant;
+
+/// A stopwatch that starts now and tells the milliseconds since then.
+#[cfg_attr(
+    not(target_arch = "wasm32"),
+    expect(clippy::disallowed_methods, reason = "natively web_time's Instant is the banned one, where it is safe")
+)]
+pub fn stopwatch() -> impl Fn() -> f64 + Sync {
+    let started = Instant::now();
+    move || started.elapsed().as_secs_f64() * 1e3
+}
