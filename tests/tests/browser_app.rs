@@ -100,8 +100,10 @@ fn a_demo_plans_and_plays() -> Result<()> {
     })?;
     std::thread::sleep(Duration::from_millis(500));
     let later = browser.screenshot("mustard-later")?;
-    // A robot arm in another posture changes more than the digits of a clock do.
-    assert!(start.difference(&later) > 0.01, "only {:.4} of the picture differs", start.difference(&later));
+    // Above the timeline nothing moves but the robot and what it carries; seen from the demo's camera, an arm covers
+    // about one pixel in a hundred.
+    let moved = start.top(0.75).difference(&later.top(0.75));
+    assert!(moved > 0.003, "only {moved:.4} of the view differs");
 
     browser.run("window.endcomfort.seek(0); window.endcomfort.play()", &[])?;
     browser.wait_for_status("a plan that plays", A_WHILE, |status| {
@@ -171,7 +173,9 @@ fn the_plan_for_a_seed_is_the_same_text_in_the_browser_and_natively() -> Result<
 #[test]
 fn a_worker_that_cannot_start_is_told_in_the_steps() -> Result<()> {
     let browser = Browser::with_webgl()?;
-    browser.block(&["*worker*.js"])?;
+    browser.before_the_page(
+        "const Original = Worker; window.Worker = function (url, options) { return new Original('gone.js', options); };",
+    )?;
     browser.open("?renderer=webgl")?;
     browser.wait_until_it_runs()?;
     let status =

@@ -8,7 +8,7 @@ use endcomfort::host::Host;
 use endcomfort_core::job::{Refusal, Request, Stage, Update};
 use js_sys::{Array, ArrayBuffer, Uint8Array};
 use wasm_bindgen::prelude::*;
-use web_sys::{ErrorEvent, HtmlAnchorElement, MessageEvent, Worker, WorkerOptions, WorkerType};
+use web_sys::{ErrorEvent, Event, HtmlAnchorElement, MessageEvent, Worker, WorkerOptions, WorkerType};
 
 use crate::{dom, wire};
 
@@ -52,7 +52,7 @@ enum WorkerState {
 struct Hired {
     worker: Worker,
     _on_message: Closure<dyn FnMut(MessageEvent)>,
-    _on_error: Closure<dyn FnMut(ErrorEvent)>,
+    _on_error: Closure<dyn FnMut(Event)>,
 }
 
 impl Drop for Hired {
@@ -98,12 +98,11 @@ impl WebHost {
             context.request_repaint();
         });
         let (desk, context) = (Rc::clone(&self.desk), self.context.clone());
-        let on_error = Closure::new(move |event: ErrorEvent| {
-            // A file of the worker did not arrive, or it trapped without a panic.
+        let on_error = Closure::new(move |event: Event| {
             event.prevent_default();
-            let message = event.message();
-            let cause =
-                if message.is_empty() || message == "undefined" { "its files could not be loaded" } else { &message };
+            // A trap comes with a message; a file that did not arrive comes as a bare event without one.
+            let message = event.dyn_ref::<ErrorEvent>().map(ErrorEvent::message);
+            let cause = message.as_deref().unwrap_or("the worker’s files could not be loaded");
             desk.borrow_mut().fail(cause);
             context.request_repaint();
         });

@@ -18,6 +18,13 @@ impl Picture {
         Ok(Self(image.into_rgba8()))
     }
 
+    /// The upper part of the picture, for example three quarters of its height.
+    #[must_use]
+    pub fn top(&self, share: f64) -> Self {
+        let (width, height) = self.0.dimensions();
+        Self(image::imageops::crop_imm(&self.0, 0, 0, width, (f64::from(height) * share) as u32).to_image())
+    }
+
     /// How many different colours there are; a blank picture has one.
     pub fn colors(&self) -> usize {
         self.0.pixels().map(|pixel| pixel.0).collect::<BTreeSet<_>>().len()
@@ -45,5 +52,7 @@ mod tests {
         dotted.0.put_pixel(3, 4, Rgba([200, 9, 9, 255]));
         assert_eq!((blank.colors(), dotted.colors()), (1, 2));
         assert_eq!(blank.difference(&dotted), 0.01);
+        assert_eq!(blank.top(0.3).difference(&dotted.top(0.3)), 0.0, "the dot is in the fifth row of ten");
+        assert_eq!(blank.top(0.5).difference(&dotted.top(0.5)), 0.02);
     }
 }

@@ -110,7 +110,8 @@ impl Browser {
         Ok(())
     }
 
-    /// Makes every address that matches one of these patterns (`*worker*`) unreachable.
+    /// Makes every address that matches one of these patterns (`*.wasm`) unreachable for the page itself; a worker
+    /// fetches for itself and is not kept from anything.
     ///
     /// # Errors
     /// When the browser does not take the patterns.
@@ -120,6 +121,17 @@ impl Browser {
         {
             self.command("POST", "/goog/cdp/execute", &json!({ "cmd": command, "params": parameters }))?;
         }
+        Ok(())
+    }
+
+    /// Runs a script in every page that is opened from now on, before the page's own.
+    ///
+    /// # Errors
+    /// When the browser does not take the script.
+    pub fn before_the_page(&self, script: &str) -> Result<()> {
+        let parameters = json!({ "source": script });
+        let command = json!({ "cmd": "Page.addScriptToEvaluateOnNewDocument", "params": parameters });
+        self.command("POST", "/goog/cdp/execute", &command)?;
         Ok(())
     }
 
