@@ -52,14 +52,9 @@ impl Playback {
     }
 }
 
-/// Length of a plan, seconds.
-pub(super) fn duration_s(plan: &Plan) -> f64 {
-    plan.phases.last().map_or(0.0, |phase| phase.start_s + phase.trajectory.duration_s())
-}
-
-/// The phase at a time; the last one from its start on.
+/// The phase at a time; none in an empty plan.
 pub(super) fn phase_at(plan: &Plan, time_s: f64) -> Option<&Phase> {
-    plan.phases.iter().rev().find(|phase| phase.start_s <= time_s).or(plan.phases.first())
+    plan.phases.get(plan.phase_at(time_s))
 }
 
 /// A value sampled with a phase (manipulability, clearance) at a time, linear between samples.

@@ -6,7 +6,7 @@ use endcomfort_core::grasp::{Grasp, Situated};
 use endcomfort_core::job::{Refusal, Stage};
 
 use super::document::History;
-use super::{ComposeInput, Demo, Document, Layers, Outputs, Playback, Posture, RobotChoice, ViewKey, playback};
+use super::{ComposeInput, Demo, Document, Layers, Outputs, Playback, Posture, RobotChoice, ViewKey};
 
 /// Everything the interface knows. Panels read it; [`ViewerState::apply`] and [`ViewerState::receive`] change it.
 pub struct ViewerState {
@@ -282,7 +282,7 @@ impl ViewerState {
 
     /// Length of the present plan, seconds; 0 without one.
     pub fn duration_s(&self) -> f64 {
-        self.outputs.plan.as_ref().map_or(0.0, |plan| playback::duration_s(plan))
+        self.outputs.plan.as_ref().map_or(0.0, |plan| plan.duration_s())
     }
 
     /// The selected grasp.

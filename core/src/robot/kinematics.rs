@@ -70,8 +70,16 @@ impl Robot {
 
     /// Manipulability `√det(J Jᵀ)` (5.1) of one arm at the hand frame.
     pub fn manipulability(&self, arm: &Arm, X_WL: &[Isometry3<f64>]) -> f64 {
-        let J_WH = self.hand_jacobian(arm, X_WL);
-        let gram: Matrix6<f64> = (&J_WH * J_WH.transpose()).fixed_view::<6, 6>(0, 0).into_owned();
+        // Summed column by column: a library product would use fused operations where the machine has them, and its last
+        // bit would differ between machines.
+        let mut gram = Matrix6::<f64>::zeros();
+        for column in self.hand_jacobian(arm, X_WL).column_iter() {
+            for i in 0..6 {
+                for j in 0..6 {
+                    gram[(i, j)] += column[i] * column[j];
+                }
+            }
+        }
         gram.determinant().max(0.0).sqrt()
     }
 
