@@ -31,8 +31,11 @@ impl Studio for BuiltInStudio {
     }
 
     fn robots(&self) -> Vec<RobotChoice> {
-        let choice =
-            |name: &str, title: &str| RobotChoice { name: name.into(), title: title.into(), posture: "home".into() };
+        let choice = |name: &str, title: &str| RobotChoice {
+            name: name.into(),
+            title: title.into(),
+            posture: "table_ready".into(),
+        };
         vec![choice("crichton", "Crichton"), choice("alita", "Alita")]
     }
 

@@ -3,11 +3,13 @@
 mod candidates;
 mod close;
 mod hand;
+mod obstruction;
 mod quality;
 mod situate;
 
 pub use candidates::{GraspSettings, HandHit, HandHits, candidates};
 pub use hand::HandModel;
+pub use obstruction::Obstruction;
 pub use quality::epsilon;
 pub use situate::Reach;
 
@@ -67,7 +69,7 @@ pub struct Situated {
     /// Manipulability (5.1) of each solution.
     pub manipulability: Vec<f64>,
     /// What was turned away: reason and count, most frequent first.
-    pub rejected: Vec<(String, usize)>,
+    pub rejected: Vec<(Obstruction, usize)>,
 }
 
 /// Why a grasp was accepted or dropped.
@@ -89,9 +91,9 @@ pub enum GraspStatus {
     /// A hand link meets another thing in the scene.
     HitsNeighbour { link: String, neighbour: String },
     /// No arm configuration reaches it at the start pose.
-    NoIkAtStart { reason: String },
+    NoIkAtStart { reason: Obstruction },
     /// No arm configuration reaches it at the goal pose.
-    NoIkAtGoal { reason: String },
+    NoIkAtGoal { reason: Obstruction },
 }
 
 impl GraspStatus {

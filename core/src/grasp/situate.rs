@@ -2,8 +2,8 @@
 
 use nalgebra::Isometry3;
 
-use super::Situated;
-use crate::robot::ik::{IkReject, IkSet, SrsArm};
+use super::{Obstruction, Situated};
+use crate::robot::ik::{IkSet, SrsArm};
 use crate::robot::{Arm, Robot};
 
 /// The arm, and what decides whether one of its configurations may be used.
@@ -24,30 +24,23 @@ impl Reach<'_> {
     /// All configurations that bring the hand to `X_WH`; `hit` names what one of them runs into.
     ///
     /// `hit` gets the arm's joints from shoulder to wrist.
-    pub fn situate(&self, X_WH: &Isometry3<f64>, mut hit: impl FnMut(&[f64]) -> Option<String>) -> Situated {
+    pub fn situate(&self, X_WH: &Isometry3<f64>, mut hit: impl FnMut(&[f64]) -> Option<Obstruction>) -> Situated {
         let X_WB = self.robot.link_poses(self.q_rest)[self.arm.base_link];
         let mut found = IkSet::default();
         self.ik.sweep_into(&X_WB.inv_mul(X_WH), self.arm_angles, &mut found);
 
         let mut situated = Situated::default();
-        let mut reasons: Vec<(String, usize)> = Vec::new();
-        let mut turn_away = |reason: String, times: usize| match reasons.iter_mut().find(|(known, _)| *known == reason)
-        {
-            Some((_, count)) => *count += times,
-            None => reasons.push((reason, times)),
+        let mut reasons: Vec<(Obstruction, usize)> = Vec::new();
+        let mut turn_away = |reason: Obstruction| match reasons.iter_mut().find(|(known, _)| *known == reason) {
+            Some((_, count)) => *count += 1,
+            None => reasons.push((reason, 1)),
         };
-        match found.rejected.first() {
-            // One reject for the whole pose says by how much.
-            Some(reject @ (IkReject::OutOfReach { .. } | IkReject::TooClose { .. })) => {
-                turn_away(reject.to_string(), 1)
-            }
-            _ => found.reject_counts().into_iter().for_each(|(reason, times)| turn_away(reason, times)),
-        }
+        found.rejected.iter().for_each(|reject| turn_away(reject.into()));
         let mut q = self.q_rest.to_vec();
         let mut X_WL = Vec::new();
         for solution in &found.solutions {
             if let Some(reason) = hit(&solution.q) {
-                turn_away(reason, 1);
+                turn_away(reason);
                 continue;
             }
             for (&dof, &position) in self.arm.dofs.iter().zip(&solution.q) {
@@ -61,15 +54,17 @@ impl Reach<'_> {
         if situated.ik_count > 0 {
             situated.m_g = situated.manipulability.iter().sum::<f64>() / situated.ik_count as f64;
         }
-        reasons.sort_by(|l, r| r.1.cmp(&l.1).then_with(|| l.0.cmp(&r.0)));
+        // A stable sort: equally frequent ones stay in the order in which they were met.
+        reasons.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
         situated.rejected = reasons;
         situated
     }
 }
 
 impl Situated {
-    /// The most frequent reason why configurations were turned away, for a person.
-    pub fn main_reason(&self) -> String {
-        self.rejected.first().map_or_else(|| "no arm configuration".to_owned(), |(reason, _)| reason.clone())
+    /// The most frequent reason why configurations were turned away.
+    pub fn main_reason(&self) -> Obstruction {
+        let none = || Obstruction::Invalid { reason: "no arm configuration".to_owned() };
+        self.rejected.first().map_or_else(none, |(reason, _)| reason.clone())
     }
 }

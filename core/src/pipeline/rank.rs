@@ -3,7 +3,7 @@
 use nalgebra::Isometry3;
 
 use crate::collision::{CollisionError, HandChecker, Scratch, World};
-use crate::grasp::{Grasp, GraspSettings, GraspStatus, HandHit, HandModel, Reach, Situated, candidates};
+use crate::grasp::{Grasp, GraspSettings, GraspStatus, HandHit, HandModel, Obstruction, Reach, Situated, candidates};
 use crate::job::{FitOutput, Refusal};
 use crate::library::Library;
 use crate::parallel;
@@ -168,10 +168,13 @@ fn situate(cell: &Workcell, grasp: &mut Grasp, goal_supports: Option<&[String]>)
     let at = |X_WO: &Isometry3<f64>, situation: Result<Situation, CollisionError>| -> Situated {
         let checker = match situation.and_then(|situation| cell.checker(&situation)) {
             Ok(checker) => checker,
-            Err(error) => return Situated { rejected: vec![(error.to_string(), 1)], ..Situated::default() },
+            Err(error) => {
+                let reason = Obstruction::Invalid { reason: error.to_string() };
+                return Situated { rejected: vec![(reason, 1)], ..Situated::default() };
+            }
         };
         let mut scratch = Scratch::default();
-        reach.situate(&(X_WO * grasp.X_OH), |q| Workcell::hit_reason(&checker, &mut scratch, q))
+        reach.situate(&(X_WO * grasp.X_OH), |q| checker.first_hit(&mut scratch, q).map(Obstruction::from))
     };
     let start = at(&cell.X_WO_start, cell.grasping(&cell.X_WO_start, &grasp.closed));
     let goal = match (start.ik_count > 0, cell.X_WO_goal, goal_supports) {

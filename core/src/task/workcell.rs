@@ -5,9 +5,7 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, Point3};
 
 use super::{PhaseKind, Plan};
-use crate::collision::{
-    CarriedObject, Checker, CollisionError, CollisionModel, Exhaustive, Hit, MayTouch, Party, Scratch, World,
-};
+use crate::collision::{CarriedObject, Checker, CollisionError, CollisionModel, Exhaustive, MayTouch, Party, World};
 use crate::grasp::{Grasp, HandModel};
 use crate::plan::{WalkHit, walk};
 use crate::robot::ik::{NotSrs, SrsArm};
@@ -174,10 +172,5 @@ impl Workcell {
     pub fn supports(&self, X_WO: &Isometry3<f64>) -> Vec<String> {
         let near = self.world.near_hull(&self.target_O, X_WO, REST_DEPTH_M).unwrap_or_default();
         near.into_iter().map(|(name, _)| name).collect()
-    }
-
-    /// What a configuration of the arm runs into, in a few words.
-    pub fn hit_reason(checker: &Checker, scratch: &mut Scratch, q: &[f64]) -> Option<String> {
-        checker.first_hit(scratch, q).map(|Hit { a, b }| format!("{a} hits {b}"))
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use endcomfort_core::cloud::{PixelGrid, PointCloud};
 use endcomfort_core::fit::{Fit, FitSettings};
-use endcomfort_core::grasp::{Contact, Grasp, GraspStatus, Situated};
+use endcomfort_core::grasp::{Contact, Grasp, GraspStatus, Obstruction, Situated};
 use endcomfort_core::job::{FitOutput, GraspsOutput, Output, RankOutput, SceneOutput, SegmentOutput, Update};
 use endcomfort_core::plan::Trajectory;
 use endcomfort_core::rng::Rng;
@@ -197,19 +197,19 @@ fn candidates() -> Vec<Grasp> {
         manipulability: (0..ik_count)
             .map(|i| m_g + 0.5 * m_g * ((i as f64 * 0.7).sin() + (i as f64 * 1.3).cos()) / 2.0)
             .collect(),
-        rejected: vec![("joint 6 limit".to_owned(), 40), ("elbow meets the table".to_owned(), 12)],
+        rejected: vec![(Obstruction::JointLimit { joint: 6 }, 40), (elbow_meets_table(), 12)],
     };
     (0..412_u32)
         .map(|i| {
             let status = match i {
                 0..37 => GraspStatus::Accepted,
                 _ => match i % 6 {
-                    0 => GraspStatus::NoIkAtGoal { reason: "joint 6 limit".to_owned() },
+                    0 => GraspStatus::NoIkAtGoal { reason: Obstruction::JointLimit { joint: 6 } },
                     1 => GraspStatus::HitsTable { link: "right thumb".to_owned() },
                     2 => GraspStatus::TooFewContacts { found: 2, wanted: 3 },
                     3 => GraspStatus::HitsNeighbour { link: "palm".to_owned(), neighbour: "cluster 2".to_owned() },
                     4 => GraspStatus::TooWide { width_m: 0.131, opening_m: 0.1 },
-                    _ => GraspStatus::NoIkAtStart { reason: "out of reach".to_owned() },
+                    _ => GraspStatus::NoIkAtStart { reason: Obstruction::OutOfReach { gap_m: 0.04 } },
                 },
             };
             let rank = f64::from(i);
@@ -220,7 +220,10 @@ fn candidates() -> Vec<Grasp> {
                 ),
                 GraspStatus::NoIkAtGoal { .. } => (
                     Some(situated(0.066, 71)),
-                    Some(Situated { rejected: vec![("joint 6 limit".to_owned(), 96)], ..Situated::default() }),
+                    Some(Situated {
+                        rejected: vec![(Obstruction::JointLimit { joint: 6 }, 96)],
+                        ..Situated::default()
+                    }),
                 ),
                 _ => (None, None),
             };
@@ -280,4 +283,8 @@ fn plan(grasp: Grasp) -> Plan {
         dofs: (0..9).collect(),
         failed_grasps: vec![(131, "transport: the carried glass meets the cracker box".to_owned())],
     }
+}
+
+fn elbow_meets_table() -> Obstruction {
+    Obstruction::Collision { a: "elbow".to_owned(), b: "table".to_owned() }
 }
