@@ -58,7 +58,7 @@ fn objects_have_their_published_sizes_and_carry_the_name_of_their_file() {
         ("lemon", [68.0, 54.0, 54.0]),
         ("apple", [75.0, 75.0, 71.9]),
         ("bleach_cleanser", [98.0, 65.0, 250.0]),
-        ("glass", [80.0, 80.0, 150.0]),
+        ("drinking_glass", [80.0, 80.0, 150.0]),
     ] {
         let object = objects.iter().find(|object| object.name == name).unwrap();
         let half = object.half_extents();

@@ -210,18 +210,47 @@ mod tests {
 
     #[test]
     fn a_ring_of_contacts_holds_better_than_two_that_nearly_meet() {
-        let ring: Vec<_> = (0..3)
-            .map(|k| {
-                let (sin, cos) = math::sin_cos(std::f64::consts::TAU * f64::from(k) / 3.0);
-                contact([0.04 * cos, 0.04 * sin, 0.02 * f64::from(k - 1)], [cos, sin, 0.0])
-            })
-            .collect();
         let narrow = [
             contact([0.04, 0.0, 0.0], [1.0, 0.0, 0.0]),
             contact([-0.04, 0.002, 0.0], [-1.0, 0.0, 0.0]),
             contact([-0.04, -0.002, 0.0], [-1.0, 0.0, 0.0]),
         ];
-        let (wide, thin) = (epsilon(&ring, &Point3::origin(), 0.04), epsilon(&narrow, &Point3::origin(), 0.04));
+        let (wide, thin) = (epsilon(&ring(0.0), &Point3::origin(), 0.04), epsilon(&narrow, &Point3::origin(), 0.04));
         assert!(wide > thin && thin >= 0.0, "{wide} against {thin}");
+    }
+
+    #[test]
+    fn closure_agrees_with_a_perceptron_that_looks_for_a_wrench_nothing_resists() {
+        // Closure ends where the rise is friction times radius, 20 mm: exactly there the question has no answer.
+        for step in 0..8 {
+            let contacts = ring(0.0025 + 0.005 * f64::from(step));
+            let is_closed = epsilon(&contacts, &Point3::origin(), 0.04) > 0.0;
+            assert_eq!(is_closed, !is_separable(&contacts, 0.04), "rise of {} mm", 2.5 + 5.0 * f64::from(step));
+        }
+        assert!(!is_separable(&six_sided(), 1.0));
+    }
+
+    /// Whether some direction has a positive product with every wrench (Rosenblatt's perceptron finds one if there is
+    /// one; the number of rounds is far beyond what these wrenches need).
+    fn is_separable(contacts: &[Contact], size_m: f64) -> bool {
+        let wrenches = wrenches(contacts, &Point3::origin(), size_m);
+        let mut u = Wrench::zeros();
+        for _ in 0..200_000 {
+            match wrenches.iter().min_by(|l, r| u.dot(l).total_cmp(&u.dot(r))) {
+                Some(worst) if u.dot(worst) <= 0.0 => u += worst,
+                _ => return true,
+            }
+        }
+        false
+    }
+
+    /// Three contacts around a cylinder of 4 cm radius, each higher than the one before.
+    fn ring(rise_m: f64) -> Vec<Contact> {
+        (0..3)
+            .map(|k| {
+                let (sin, cos) = math::sin_cos(std::f64::consts::TAU * f64::from(k) / 3.0);
+                contact([0.04 * cos, 0.04 * sin, rise_m * f64::from(k - 1)], [cos, sin, 0.0])
+            })
+            .collect()
     }
 }
