@@ -233,7 +233,7 @@ impl Composer {
             if opacity <= 0.0 {
                 continue;
             }
-            let mut color = if accepted { scale.color(merit(grasp)) } else { palette.rejected };
+            let mut color = if accepted { scale.color(grasp.merit()) } else { palette.rejected };
             color[3] *= opacity;
             // The pin stands on the surface and points back along the approach.
             let back = Translation3::new(0.0, 0.0, -hand.palm_depth_m().min(0.02));
@@ -271,15 +271,10 @@ impl Composer {
     }
 }
 
-/// What the colour of a grasp stands for: m_g at the goal, or at the start when there is no goal.
-pub fn merit(grasp: &Grasp) -> f64 {
-    grasp.goal.as_ref().or(grasp.start.as_ref()).map_or(0.0, |situated| situated.m_g)
-}
-
-/// Colours of accepted grasps by [`merit`].
+/// Colours of accepted grasps by [`Grasp::merit`].
 pub fn merit_scale(grasps: &[Grasp]) -> Scale {
     let accepted = grasps.iter().filter(|grasp| grasp.is_accepted());
-    Scale::covering(ColorMap::Viridis, accepted.map(merit))
+    Scale::covering(ColorMap::Viridis, accepted.map(Grasp::merit))
 }
 
 /// A grasp as a pin: its foot at the origin, its stem and head along -z, where the hand comes from.

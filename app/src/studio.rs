@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use endcomfort_core::robot::Robot;
-use endcomfort_core::task::ObjectState;
 use nalgebra::{Isometry3, Point3};
 
 use crate::assets;
@@ -105,11 +104,7 @@ impl Standing {
                     return at_start;
                 };
                 let state = plan.state_at(time_s);
-                let X_WO = match state.object {
-                    ObjectState::Standing(X_WO) => X_WO,
-                    ObjectState::Carried(X_HO) => robot.link_poses(&state.q)[plan.tcp_link] * X_HO,
-                };
-                Self { q: state.q, X_WO: Some(X_WO) }
+                Self { X_WO: Some(plan.object_pose(robot, &state)), q: state.q }
             }
             Posture::Ik { grasp, at, index } => {
                 let Some(grasp) = outputs.candidate(grasp) else { return at_start };

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use endcomfort_core::job::Output;
 use endcomfort_core::robot::Robot;
 use endcomfort_core::scene::Scene;
-use endcomfort_core::task::ObjectState;
 use image::RgbaImage;
 use nalgebra::Point3;
 
@@ -78,11 +77,8 @@ impl Picture<'_> {
         content.X_WO = content.X_WO_start;
         if let (Some(plan), Some(time_s)) = (content.plan, settings.time_s) {
             let state = plan.state_at(time_s);
+            content.X_WO = Some(plan.object_pose(self.robot, &state));
             q = state.q;
-            content.X_WO = Some(match state.object {
-                ObjectState::Standing(X_WO) => X_WO,
-                ObjectState::Carried(X_HO) => self.robot.link_poses(&q)[plan.tcp_link] * X_HO,
-            });
             content.grasps = &[];
         }
         content.q = &q;

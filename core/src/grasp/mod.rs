@@ -44,6 +44,11 @@ impl Grasp {
     pub fn is_accepted(&self) -> bool {
         self.status == GraspStatus::Accepted
     }
+
+    /// What grasps are ranked and coloured by: m_g at the goal, or at the start when there is no goal (thesis 5.1).
+    pub fn merit(&self) -> f64 {
+        self.goal.as_ref().or(self.start.as_ref()).map_or(0.0, |situated| situated.m_g)
+    }
 }
 
 /// A place where the hand touches the object, in O.

@@ -151,15 +151,10 @@ pub(super) fn ranked(cell: &Workcell, grasps: &[Grasp], watch: Watch<'_>) -> Res
     judged.sort_by(|l, r| {
         r.is_accepted()
             .cmp(&l.is_accepted())
-            .then_with(|| if l.is_accepted() { merit(r).total_cmp(&merit(l)) } else { std::cmp::Ordering::Equal })
+            .then_with(|| if l.is_accepted() { r.merit().total_cmp(&l.merit()) } else { std::cmp::Ordering::Equal })
             .then_with(|| l.id.cmp(&r.id))
     });
     Ok(judged)
-}
-
-/// What grasps are ranked by: m_g at the goal, or at the start when there is no goal (thesis 5.1).
-fn merit(grasp: &Grasp) -> f64 {
-    grasp.goal.as_ref().or(grasp.start.as_ref()).map_or(0.0, |situated| situated.m_g)
 }
 
 fn situate(cell: &Workcell, grasp: &mut Grasp, goal_supports: Option<&[String]>) {

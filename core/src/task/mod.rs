@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::grasp::Grasp;
 use crate::plan::Trajectory;
+use crate::robot::Robot;
 
 /// A played plan: the phases one after the other.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -104,6 +105,14 @@ pub enum ObjectState {
 }
 
 impl Plan {
+    /// Pose of the object O in the world in a state of this plan; a carried one follows from the robot's kinematics.
+    pub fn object_pose(&self, robot: &Robot, state: &PlanState) -> Isometry3<f64> {
+        match state.object {
+            ObjectState::Standing(X_WO) => X_WO,
+            ObjectState::Carried(X_HO) => robot.link_poses(&state.q)[self.tcp_link] * X_HO,
+        }
+    }
+
     /// Duration of all phases, seconds.
     pub fn duration_s(&self) -> f64 {
         self.phases.last().map_or(0.0, |phase| phase.start_s + phase.trajectory.duration_s())
