@@ -75,6 +75,6 @@ impl Candidate {
     pub(crate) fn superquadric(&self, X_FD: &Isometry3<f64>) -> Superquadric {
         let [a, b, c, e1, e2, ..] = self.values;
         let X_DS = Isometry3::from_parts(Translation3::from(self.center()), self.R_DS);
-        Superquadric { a, b, c, e1, e2, X_FS: X_FD * X_DS }
+        Superquadric { a, b, c, e1, e2, X_FS: X_FD * X_DS, taper: 0.0, bend_per_m: 0.0 }
     }
 }

@@ -3,12 +3,11 @@
 //! Unknowns at a bound whose gradient pushes outward are taken out of the step (active set); steps are then held in the
 //! box. Damping follows Nielsen (1999): the gain ratio sets how far λ falls, and each failure doubles its growth.
 
-use std::fmt;
-
 use nalgebra::{SMatrix, SVector};
 
 use super::candidate::{BOUNDED, Bounds, Candidate, UNKNOWNS};
 use super::objective::{NormalEquations, Objective};
+use super::types::StopReason;
 use crate::watch::Watch;
 
 /// When to stop.
@@ -20,41 +19,16 @@ pub(crate) struct Limits {
     pub(crate) relative_reduction: f64,
 }
 
-/// Why it stopped.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum StopReason {
-    /// The cost hardly changes any more, or is zero to rounding.
-    Converged,
-    /// No step, however short, lowers the cost.
-    NoDescent,
-    /// `max_iterations` were made.
-    IterationLimit,
-    /// The cost is not a finite number.
-    NotFinite,
-    /// The caller stopped it.
-    Stopped,
-}
-
-impl fmt::Display for StopReason {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Converged => "converged",
-            Self::NoDescent => "no step lowers the cost",
-            Self::IterationLimit => "iteration limit",
-            Self::NotFinite => "cost not finite",
-            Self::Stopped => "stopped",
-        })
-    }
-}
-
 /// Where it arrived.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Minimum {
     pub(crate) candidate: Candidate,
     /// Weighted sum of squares there, metres squared.
     pub(crate) cost: f64,
     pub(crate) iterations: u32,
     pub(crate) stop: StopReason,
+    /// Cost at the start and after each step that was taken.
+    pub(crate) costs: Vec<f64>,
 }
 
 /// A mean square below this is rounding: (1 nm)².
@@ -76,6 +50,7 @@ pub(crate) fn minimise(
     let mut growth = 2.0;
     let mut iterations = 1;
     let mut small_steps = 0;
+    let mut costs = vec![here.cost];
     let stop = loop {
         if !here.cost.is_finite() {
             break StopReason::NotFinite;
@@ -106,6 +81,7 @@ pub(crate) fn minimise(
             small_steps = if actual < limits.relative_reduction * here.cost { small_steps + 1 } else { 0 };
             candidate = next_candidate;
             here = next;
+            costs.push(here.cost);
             let twist = 2.0 * gain.min(1.0) - 1.0;
             damping = (damping * (1.0 - twist * twist * twist).max(1.0 / 5.0)).max(1e-12);
             growth = 2.0;
@@ -121,7 +97,7 @@ pub(crate) fn minimise(
             }
         }
     };
-    Minimum { candidate, cost: here.cost, iterations, stop }
+    Minimum { candidate, cost: here.cost, iterations, stop, costs }
 }
 
 /// Solves `(H + λ diag H) δ = -g` for the unknowns that are free to move; `None` when H is not positive definite.

@@ -22,4 +22,7 @@ mod view;
 
 pub use metrics::{FitErrors, fit_errors};
 pub use run::fit;
-pub use types::{Fit, FitInput, FitRefusal, FitSettings, MirrorMode};
+pub use types::{
+    DeformMode, Fit, FitInput, FitRefusal, FitSettings, MirrorMode, ModelReport, ObjectiveKind, Part, RejectedPoint,
+    RunReport, StopReason,
+};

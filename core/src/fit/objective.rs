@@ -26,6 +26,7 @@ const TRIANGLE: usize = UNKNOWNS * (UNKNOWNS + 1) / 2;
 pub(crate) struct WeightedPoints {
     chunks: Vec<Chunk>,
     total_weight: f64,
+    count: usize,
 }
 
 #[derive(Clone, Debug)]
@@ -53,7 +54,7 @@ impl WeightedPoints {
                 chunk
             })
             .collect();
-        Self { chunks, total_weight: points.iter().map(|(_, w)| w).sum() }
+        Self { chunks, total_weight: points.iter().map(|(_, w)| w).sum(), count: points.len() }
     }
 }
 
@@ -95,6 +96,11 @@ impl<'a> Objective<'a> {
     /// Sum of the weights: the cost over this is a mean square, metres squared.
     pub(crate) fn total_weight(&self) -> f64 {
         self.points.total_weight
+    }
+
+    /// Number of points.
+    pub(crate) fn points(&self) -> usize {
+        self.points.count
     }
 
     /// Cost, gradient and Gauss–Newton matrix at a candidate.

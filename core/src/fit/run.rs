@@ -4,13 +4,13 @@ use nalgebra::{Isometry3, Point3};
 
 use super::candidate::Candidate;
 use super::frame::{principal_axes, working_frame};
-use super::levenberg_marquardt::{Limits, Minimum, StopReason, minimise};
+use super::levenberg_marquardt::{Limits, Minimum, minimise};
 use super::metrics::fit_errors;
 use super::mirror::{Mirroring, PASS_M, mirror};
 use super::objective::{Objective, WeightedPoints};
 use super::starts::{Start, Surroundings, bounds, half_extents, similar, starts};
 use super::thin::{every_nth, sorted, voxel_centroids};
-use super::types::{Fit, FitInput, FitRefusal, FitSettings, MirrorMode};
+use super::types::{Fit, FitInput, FitRefusal, FitSettings, MirrorMode, RunReport, StopReason};
 use super::view::View;
 use crate::parallel;
 use crate::segment::Plane;
@@ -65,7 +65,7 @@ struct Prepared {
 pub fn fit(input: FitInput<'_>, settings: &FitSettings, watch: Watch<'_>) -> Result<Fit, FitRefusal> {
     watch.progress(0.0, "mirroring");
     let prepared = prepare(&input, settings)?;
-    let (best, lines, iterations) = search(&prepared, settings, watch)?;
+    let (best, runs, iterations) = search(&prepared, settings, watch)?;
     let superquadric = best.candidate.superquadric(&prepared.X_FD);
     let finite: Vec<Point3<f64>> = finite_points(input.points);
     let errors = fit_errors(&superquadric, &finite);
@@ -81,7 +81,10 @@ pub fn fit(input: FitInput<'_>, settings: &FitSettings, watch: Watch<'_>) -> Res
         used_points: prepared.points.len(),
         mirrored: prepared.mirrored_D.iter().map(|p| prepared.X_FD * p).collect(),
         mirror_note: prepared.mirror_note,
-        starts: lines,
+        runs,
+        rejected: Vec::new(),
+        models: Vec::new(),
+        others: Vec::new(),
     })
 }
 
@@ -212,7 +215,7 @@ fn search(
     prepared: &Prepared,
     settings: &FitSettings,
     watch: Watch<'_>,
-) -> Result<(Minimum, Vec<String>, u32), FitRefusal> {
+) -> Result<(Minimum, Vec<RunReport>, u32), FitRefusal> {
     let positions: Vec<Point3<f64>> = prepared.points.iter().map(|(p, _)| *p).collect();
     let coarse = WeightedPoints::new(&every_nth(&prepared.points, COARSE_POINTS));
     let all = WeightedPoints::new(&prepared.points);
@@ -238,7 +241,7 @@ fn search(
             .map(|(found, start)| (start.clone(), found))
             .collect();
     let mut iterations: u32 = tried.iter().map(|(_, found)| found.iterations).sum();
-    let mut lines: Vec<String> =
+    let mut lines: Vec<RunReport> =
         tried.iter().map(|(start, found)| line(&start.name, found, &coarse_objective)).collect();
     tried.sort_by(|(_, p), (_, q)| p.cost.total_cmp(&q.cost));
     tried.truncate(KEPT_STARTS);
@@ -274,10 +277,16 @@ fn search(
     Ok((finest, lines, iterations))
 }
 
-/// One line of the history: name, root mean square of the residuals, why it stopped.
-fn line(name: &str, found: &Minimum, objective: &Objective<'_>) -> String {
-    let rms_mm = (found.cost / objective.total_weight().max(1e-300)).sqrt() * 1e3;
-    format!("{name}: {rms_mm:.2} mm rms after {} iterations, {}", found.iterations, found.stop)
+/// The history of a run.
+fn line(name: &str, found: &Minimum, objective: &Objective<'_>) -> RunReport {
+    let weight = objective.total_weight().max(1e-300);
+    RunReport {
+        name: name.to_owned(),
+        points: objective.points(),
+        rms: found.costs.iter().map(|cost| (cost / weight).sqrt()).collect(),
+        iterations: found.iterations,
+        stop: found.stop,
+    }
 }
 
 #[cfg(test)]
@@ -350,7 +359,7 @@ mod tests {
         }
         let second = fit_view(&scene);
         assert_eq!(first.superquadric, second.superquadric);
-        assert_eq!(first.starts, second.starts);
+        assert_eq!(first.runs, second.runs);
     }
 
     #[test]

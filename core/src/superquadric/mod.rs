@@ -22,4 +22,4 @@ pub use distance::DistanceField;
 pub(crate) use gauge::AxesGauge;
 pub(crate) use kernels::fast_exp;
 pub use sampling::SurfaceSample;
-pub use shape::{EXPONENT_MAX, EXPONENT_MIN, Superquadric, SuperquadricError};
+pub use shape::{EXPONENT_MAX, EXPONENT_MIN, Superquadric, SuperquadricError, TAPER_MAX, bend_limit_per_m};

@@ -8,6 +8,18 @@ pub const EXPONENT_MIN: f64 = 0.01;
 /// Largest exponent that [`Superquadric::new`] accepts: from 2 on the shape has cusps; fits stay below 1.9.
 pub const EXPONENT_MAX: f64 = 1.99;
 
+/// Largest taper |K|: at 1 an end shrinks to a point and the inverse map has none.
+pub const TAPER_MAX: f64 = 0.95;
+/// Half the angle of a bent body's axis at most, radians: beyond π its ends would meet.
+const BEND_MAX_RAD: f64 = 1.6;
+/// The body's half width towards the centre of curvature, in radii of curvature, at most.
+const BEND_MAX_WIDTH: f64 = 0.9;
+
+/// Largest curvature of a body with semi-axes b and c and taper K, 1/m.
+pub fn bend_limit_per_m(b: f64, c: f64, taper: f64) -> f64 {
+    (BEND_MAX_RAD / c).min(BEND_MAX_WIDTH / (b * (1.0 + taper.abs())))
+}
+
 /// A superquadric (3.1): `((x/a)^(2/e2) + (y/b)^(2/e2))^(e2/e1) + (z/c)^(2/e1) = 1` in its axes S.
 ///
 /// z is the axis of `e1`; `e2` shapes the x–y section. Values read from a file pass through [`Superquadric::new`].
@@ -26,6 +38,10 @@ pub struct Superquadric {
     pub e2: f64,
     /// Pose of the axes S in the frame F of whoever owns the superquadric.
     pub X_FS: Isometry3<f64>,
+    /// Taper K along z: sections are scaled by `1 + K z/c`; 0 leaves them alone.
+    pub taper: f64,
+    /// Curvature κ of the bend in the y–z plane, 1/m; 0 is straight.
+    pub bend_per_m: f64,
 }
 
 /// The same fields as they stand in a file, not yet checked.
@@ -37,13 +53,17 @@ struct Parameters {
     e1: f64,
     e2: f64,
     X_FS: Isometry3<f64>,
+    #[serde(default)]
+    taper: f64,
+    #[serde(default)]
+    bend_per_m: f64,
 }
 
 impl TryFrom<Parameters> for Superquadric {
     type Error = SuperquadricError;
 
     fn try_from(p: Parameters) -> Result<Self, SuperquadricError> {
-        Self::new(p.a, p.b, p.c, p.e1, p.e2, p.X_FS)
+        Self::new(p.a, p.b, p.c, p.e1, p.e2, p.X_FS)?.deformed(p.taper, p.bend_per_m)
     }
 }
 
@@ -60,6 +80,12 @@ pub enum SuperquadricError {
     /// The pose holds NaN, infinity or a quaternion that is not of unit length.
     #[error("the pose is not a rigid motion with finite numbers")]
     Pose,
+    /// The taper would turn one end inside out.
+    #[error("taper is {found}, wanted -{TAPER_MAX} to {TAPER_MAX}")]
+    Taper { found: f64 },
+    /// The bend would fold the body over its own centre of curvature or too far around.
+    #[error("bend is {found_per_m} 1/m, wanted a curvature of at most {most_per_m:.3} 1/m for these semi-axes")]
+    Bend { found_per_m: f64, most_per_m: f64 },
 }
 
 impl Superquadric {
@@ -83,7 +109,27 @@ impl Superquadric {
         if !finite || (X_FS.rotation.coords.norm() - 1.0).abs() > 1e-6 {
             return Err(SuperquadricError::Pose);
         }
-        Ok(Self { a, b, c, e1, e2, X_FS })
+        Ok(Self { a, b, c, e1, e2, X_FS, taper: 0.0, bend_per_m: 0.0 })
+    }
+
+    /// The same shape tapered, then bent: K without unit, κ in 1/m.
+    ///
+    /// # Errors
+    /// [`SuperquadricError`] when K or κ is not finite or out of range.
+    pub fn deformed(self, taper: f64, bend_per_m: f64) -> Result<Self, SuperquadricError> {
+        if !(taper.is_finite() && taper.abs() <= TAPER_MAX) {
+            return Err(SuperquadricError::Taper { found: taper });
+        }
+        let most_per_m = bend_limit_per_m(self.b, self.c, taper);
+        if !(bend_per_m.is_finite() && bend_per_m.abs() <= most_per_m) {
+            return Err(SuperquadricError::Bend { found_per_m: bend_per_m, most_per_m });
+        }
+        Ok(Self { taper, bend_per_m, ..self })
+    }
+
+    /// Whether it is tapered or bent.
+    pub fn is_deformed(&self) -> bool {
+        self.taper != 0.0 || self.bend_per_m != 0.0
     }
 
     /// The semi-axes (a, b, c) as a vector, metres.

@@ -49,8 +49,11 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         ui.add_space(4.0);
         let _text = paragraph(ui, &fit.mirror_note, SECONDARY, tokens.secondary);
         section(ui, "Starts");
-        for start in &fit.starts {
-            let _text = paragraph(ui, start, SECONDARY, tokens.secondary);
+        for run in &fit.runs {
+            let rms = run.rms.last().copied().unwrap_or(0.0);
+            let text =
+                format!("{}: {} rms after {} iterations, {}", run.name, format::length(rms), run.iterations, run.stop);
+            let _text = paragraph(ui, &text, SECONDARY, tokens.secondary);
         }
     }
 }

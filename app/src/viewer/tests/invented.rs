@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use endcomfort_core::cloud::{PixelGrid, PointCloud};
-use endcomfort_core::fit::{Fit, FitSettings};
+use endcomfort_core::fit::{Fit, FitSettings, RunReport, StopReason};
 use endcomfort_core::grasp::{Contact, Grasp, GraspStatus, Obstruction, Situated};
 use endcomfort_core::job::{FitOutput, GraspsOutput, Output, RankOutput, SceneOutput, SegmentOutput, Update};
 use endcomfort_core::plan::Trajectory;
@@ -122,6 +122,8 @@ pub(super) fn outputs() -> Vec<(f64, Output)> {
             e1: 0.24,
             e2: 0.98,
             X_FS: Isometry3::translation(0.6, -0.2, 0.81),
+            taper: 0.0,
+            bend_per_m: 0.0,
         },
         radial_m: 0.000_82,
         goodness_of_fit: 0.0143,
@@ -133,7 +135,18 @@ pub(super) fn outputs() -> Vec<(f64, Output)> {
         mirrored: points[..106].to_vec(),
         mirror_note: "Mirrored across the plane through the axis, 12° from the line of sight; 106 points were added."
             .to_owned(),
-        starts: (1..=3).map(|i| format!("axis {i}: cost 0.00{i}4 after {} iterations, converged", 20 + i)).collect(),
+        runs: (1..=3)
+            .map(|i| RunReport {
+                name: format!("principal box, axis {i} as z"),
+                points: 212,
+                rms: vec![0.012, 0.004, 0.0013],
+                iterations: 20 + i,
+                stop: StopReason::Converged,
+            })
+            .collect(),
+        rejected: Vec::new(),
+        models: Vec::new(),
+        others: Vec::new(),
     };
     let candidates = candidates();
     let mut handled = candidates.clone();
