@@ -100,6 +100,7 @@ pub(crate) fn minimise<const N: usize>(
 }
 
 /// Solves `(H + λ diag H) δ = -g` for the unknowns that are free to move; `None` when H is not positive definite.
+#[expect(clippy::needless_range_loop, reason = "rows and columns of matrices, as in the formula")]
 fn damped_step<const N: usize>(
     candidate: &Candidate,
     at: &NormalEquations<N>,
@@ -136,13 +137,14 @@ fn damped_step<const N: usize>(
 /// Solves a symmetric positive definite system by Cholesky's decomposition, in place; `None` when it is not definite.
 ///
 /// Ours and not nalgebra's because its bits must not depend on the processor.
+#[expect(clippy::needless_range_loop, reason = "rows and columns of matrices, as in the formula")]
 fn solved<const N: usize>(matrix: &mut [[f64; N]; N], mut right: [f64; N]) -> Option<[f64; N]> {
     for j in 0..N {
         let mut pivot = matrix[j][j];
         for k in 0..j {
             pivot -= matrix[j][k] * matrix[j][k];
         }
-        if !(pivot > 0.0) {
+        if pivot.is_nan() || pivot <= 0.0 {
             return None;
         }
         let root = pivot.sqrt();
@@ -186,8 +188,8 @@ mod tests {
 
     use super::*;
     use crate::fit::candidate::{PLAIN, VALUES};
-    use crate::fit::weighted::WeightedPoints;
     use crate::fit::types::ObjectiveKind;
+    use crate::fit::weighted::WeightedPoints;
     use crate::rng::Rng;
 
     const WIDE: Bounds = Bounds {
@@ -211,7 +213,13 @@ mod tests {
             let points = cloud_of(&truth);
             let off = truth.R_DS * UnitQuaternion::from_scaled_axis(rng.direction() * 0.15);
             let start = Candidate::new(axes.map(|a| a * 1.1), [1.0, 1.0], truth.center() + rng.direction() * 0.01, off);
-            let found = minimise::<PLAIN>(&Objective::new(&points, ObjectiveKind::Radial), &start, &WIDE, &LIMITS, Watch::idle());
+            let found = minimise::<PLAIN>(
+                &Objective::new(&points, ObjectiveKind::Radial),
+                &start,
+                &WIDE,
+                &LIMITS,
+                Watch::idle(),
+            );
             assert_eq!(found.stop, StopReason::Converged);
             for k in 0..VALUES {
                 // The cost ends below (1 nm)² per point; exponents move the surface by about a tenth of their change.
@@ -228,7 +236,8 @@ mod tests {
         let mut bounds = WIDE;
         bounds.upper[2] = 0.15;
         let start = Candidate { values: [0.05, 0.05, 0.1, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0], ..truth };
-        let found = minimise::<PLAIN>(&Objective::new(&points, ObjectiveKind::Radial), &start, &bounds, &LIMITS, Watch::idle());
+        let found =
+            minimise::<PLAIN>(&Objective::new(&points, ObjectiveKind::Radial), &start, &bounds, &LIMITS, Watch::idle());
         assert_eq!(found.candidate.values[2], 0.15);
         for k in 0..VALUES {
             assert!(found.candidate.values[k] >= bounds.lower[k] && found.candidate.values[k] <= bounds.upper[k]);
