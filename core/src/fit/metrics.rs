@@ -44,6 +44,29 @@ pub fn fit_errors(superquadric: &Superquadric, points: &[Point3<f64>]) -> FitErr
     FitErrors { radial_m, goodness_of_fit, goodness_of_fit_abs }
 }
 
+/// The errors of several superquadrics on points of their frame F, every point against the nearest of them, and for each
+/// superquadric how many points are nearest to it with their mean radial distance, metres.
+pub fn fit_errors_of_parts(parts: &[Superquadric], points: &[Point3<f64>]) -> (FitErrors, Vec<(usize, f64)>) {
+    let mut owned: Vec<Vec<Point3<f64>>> = vec![Vec::new(); parts.len()];
+    for p in points {
+        let distance = |part: &usize| parts[*part].radial_distance(p);
+        if let Some(nearest) = (0..parts.len()).min_by(|i, j| distance(i).total_cmp(&distance(j))) {
+            owned[nearest].push(*p);
+        }
+    }
+    let each: Vec<FitErrors> = parts.iter().zip(&owned).map(|(part, own)| fit_errors(part, own)).collect();
+    let mean = |error: fn(&FitErrors) -> f64| {
+        let sum: f64 = each.iter().zip(&owned).map(|(errors, own)| error(errors) * own.len() as f64).sum();
+        sum / points.len().max(1) as f64
+    };
+    let errors = FitErrors {
+        radial_m: mean(|e| e.radial_m),
+        goodness_of_fit: mean(|e| e.goodness_of_fit),
+        goodness_of_fit_abs: mean(|e| e.goodness_of_fit_abs),
+    };
+    (errors, each.iter().zip(&owned).map(|(errors, own)| (own.len(), errors.radial_m)).collect())
+}
+
 #[cfg(test)]
 mod tests {
     use nalgebra::Isometry3;

@@ -1,12 +1,13 @@
 //! Fitting a superquadric to a partial, noisy cluster (thesis chapter 3).
 //!
-//! The way of a cluster through [`fit`]: into a frame of its own (`frame`), completed by its mirror image as far as the
-//! camera allows (`view`, `mirror`), thinned (`thin`), then Levenberg–Marquardt on the radial objective (`objective`,
-//! `levenberg_marquardt`) from every axis of several boxes (`starts`), few points first.
-//!
-//! Not here: deformed shapes, several superquadrics for one object, and the thesis's other four objectives.
+//! The way of a cluster through [`fit`]: checked, into a frame of its own (`frame`), completed by its mirror image as far
+//! as the camera allows (`view`, `mirror`), thinned (`prepare`, `thin`). Then `search`: Levenberg–Marquardt
+//! (`levenberg_marquardt`) on one of five objectives (`objective`) from every axis of several boxes (`starts`), few
+//! points first, with weights that noise and strays cannot spoil (`robust`, `strays`). Taper and bend are taken when they
+//! pay (`models`), and an object that one shape cannot describe is split into a few (`composite`).
 
 mod candidate;
+mod composite;
 mod frame;
 mod levenberg_marquardt;
 mod metrics;
@@ -15,6 +16,8 @@ mod models;
 mod normal_equations;
 mod objective;
 mod prepare;
+#[cfg(test)]
+mod properties;
 mod robust;
 mod run;
 mod search;
@@ -28,7 +31,7 @@ mod types;
 mod view;
 mod weighted;
 
-pub use metrics::{FitErrors, fit_errors};
+pub use metrics::{FitErrors, fit_errors, fit_errors_of_parts};
 pub use run::fit;
 pub use types::{
     DeformMode, Fit, FitInput, FitRefusal, FitSettings, MirrorMode, ModelReport, ObjectiveKind, Part, RejectedPoint,

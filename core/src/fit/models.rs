@@ -1,25 +1,28 @@
 //! Which deformation pays: plain, tapered, bent or both, compared by the Bayesian information criterion.
 //!
 //! `BIC = n ln(MS + σ₀²) + k ln n` with MS the truncated mean square of the distances along the normal on the n points
-//! of the coarse search, k the number of unknowns, and σ₀ = 1 mm: what lies below that, no depth camera at arm's length
-//! could tell. The least value wins; a deformation must so lower the error by more than its unknowns would by chance.
+//! of the coarse search, k the number of unknowns, and σ₀ = 1.5 mm: what lies below that, no depth camera at arm's
+//! length could tell. The least value wins, but plain wins against a deformation that is less than 10 better (very strong
+//! evidence by Kass and Raftery 1995).
 
 use super::candidate::{BEND, Candidate, DEFORMED, PLAIN, TAPER};
 use super::objective::Objective;
 use super::robust::{sigma_m, truncated_mean_square};
 use super::search::Search;
-use super::starts::similar;
 use super::types::{DeformMode, FitRefusal, ModelReport};
 use super::weighted::WeightedPoints;
 
 /// σ₀ above, metres.
-const NOISE_FLOOR_M: f64 = 0.001;
+const NOISE_FLOOR_M: f64 = 0.0015;
+/// By how much the criterion of a deformation must be lower than without it, per deformation.
+const STRONG_EVIDENCE: f64 = 10.0;
 /// Distances count up to this many σ of the plain fit.
 const TRUNCATED_SIGMAS: f64 = 4.0;
 /// Tapers and bends (in turns of the half length, radians) from which a deformed fit starts.
-const START_TAPERS: [f64; 2] = [0.3, -0.3];
+const START_TAPERS: [f64; 2] = [0.4, -0.4];
 const START_BENDS_RAD: [f64; 2] = [0.4, -0.4];
-/// Rounds of new weights per deformed start.
+/// Starts of a model that are followed further, and their rounds of new weights.
+const KEPT: usize = 2;
 const ROUNDS: usize = 3;
 
 /// A deformation that may be used.
@@ -60,16 +63,21 @@ impl Model {
         }
     }
 
+    /// What the criterion of this model must overcome.
+    fn handicap(self) -> f64 {
+        STRONG_EVIDENCE * self.frees().into_iter().filter(|is_free| *is_free).count() as f64
+    }
+
     /// Which of taper and bend are free.
     pub(crate) fn frees(self) -> [bool; 2] {
         [matches!(self, Self::Taper | Self::Both), matches!(self, Self::Bend | Self::Both)]
     }
 }
 
-/// The criterion of a fit: mean square in m², number of points, unknowns.
-pub(crate) fn bic(mean_square: f64, points: usize, unknowns: f64) -> f64 {
+/// The criterion of a fit: mean square in m², σ₀ in metres, number of points, unknowns.
+pub(crate) fn bic(mean_square: f64, floor_m: f64, points: usize, unknowns: f64) -> f64 {
     let n = points.max(1) as f64;
-    n * crate::math::ln(mean_square + NOISE_FLOOR_M * NOISE_FLOOR_M) + unknowns * crate::math::ln(n)
+    n * crate::math::ln(mean_square + floor_m * floor_m) + unknowns * crate::math::ln(n)
 }
 
 /// The best model on the coarse points, from the plain shape that was found there.
@@ -97,18 +105,21 @@ pub(crate) fn best_model(
     for &model in models {
         let mut found = (mean_square(&plain), plain);
         if model != Model::Plain {
-            let mut first = true;
-            for start in deformed_starts(&plain, model) {
-                let name = format!("{} start", model.name());
-                let candidate = search.deformed(&coarse, start, model, ROUNDS, &name)?;
-                let score = mean_square(&candidate);
-                if first || score < found.0 {
-                    found = (score, candidate);
-                    first = false;
-                }
+            let starts = search.deformed_starts(&plain, model);
+            let mut brief = Vec::with_capacity(starts.len());
+            for start in starts {
+                let candidate = search.deformed_brief(start, model);
+                brief.push((mean_square(&candidate), candidate));
             }
+            brief.sort_by(|(p, _), (q, _)| p.total_cmp(q)); // stable: equal starts keep their order
+            let mut tried = Vec::with_capacity(KEPT);
+            for (_, candidate) in brief.into_iter().take(KEPT) {
+                let candidate = search.deformed(&coarse, candidate, model, ROUNDS, model.name())?;
+                tried.push((mean_square(&candidate), candidate));
+            }
+            found = tried.into_iter().min_by(|(p, _), (q, _)| p.total_cmp(q)).unwrap_or(found);
         }
-        let criterion = bic(found.0, coarse.len(), model.unknowns());
+        let criterion = bic(found.0, NOISE_FLOOR_M, coarse.len(), model.unknowns()) + model.handicap();
         reports.push(ModelReport { name: model.name().to_owned(), criterion, rms_m: found.0.sqrt(), is_chosen: false });
         if best.as_ref().is_none_or(|(least, ..)| criterion < *least) {
             best = Some((criterion, model, found.1));
@@ -121,21 +132,18 @@ pub(crate) fn best_model(
     Ok((model, candidate, reports))
 }
 
-/// Every axis of the plain shape once as z, bent towards either of the others and tapered either way.
-fn deformed_starts(plain: &Candidate, model: Model) -> Vec<Candidate> {
-    let mut bases = vec![*plain];
-    bases.extend(similar(plain).into_iter().take(2).map(|(_, twin)| twin));
+/// Every base bent towards either of its other axes and tapered either way.
+pub(crate) fn deformed(bases: &[Candidate], model: Model) -> Vec<Candidate> {
     let [tapers, bends] = model.frees();
     let mut starts = Vec::new();
     for base in bases {
-        let sides = if bends { vec![base, quarter_turned(&base)] } else { vec![base] };
+        let sides = if bends { vec![*base, quarter_turned(base)] } else { vec![*base] };
         for side in sides {
             for sense in 0..2 {
                 let mut start = side;
                 if bends {
                     start.values[BEND] = START_BENDS_RAD[sense] / side.axes()[2];
-                }
-                if tapers && !bends {
+                } else if tapers {
                     start.values[TAPER] = START_TAPERS[sense];
                 }
                 starts.push(start);

@@ -48,7 +48,9 @@ pub(crate) fn prepare(input: &FitInput<'_>, settings: &FitSettings) -> Result<Pr
             wanted: "0 or a length in metres",
         });
     }
-    let points_F = sorted(finite_points(input.points));
+    // A point that is there twice says nothing new.
+    let mut points_F = sorted(finite_points(input.points));
+    points_F.dedup();
     if points_F.len() < MIN_POINTS {
         return Err(FitRefusal::TooFewPoints { found: points_F.len(), wanted: MIN_POINTS });
     }

@@ -3,14 +3,18 @@
 use nalgebra::Point3;
 
 use super::candidate::Candidate;
-use super::metrics::fit_errors;
+use super::composite::split;
+use super::metrics::{fit_errors, fit_errors_of_parts};
 use super::models::{Model, best_model};
-use super::objective::Objective;
+use super::objective::{Objective, Residual};
 use super::prepare::{MIN_POINTS, Prepared, finite_points, prepare, thinned};
 use super::search::Search;
 use super::strays;
-use super::types::{Fit, FitInput, FitRefusal, FitSettings, ModelReport, ObjectiveKind, RejectedPoint, RunReport};
+use super::types::{
+    Fit, FitInput, FitRefusal, FitSettings, ModelReport, ObjectiveKind, Part, RejectedPoint, RunReport,
+};
 use super::weighted::WeightedPoints;
+use crate::superquadric::Superquadric;
 use crate::watch::Watch;
 
 /// Voxel sizes of the hierarchy, metres.
@@ -29,32 +33,50 @@ pub fn fit(input: FitInput<'_>, settings: &FitSettings, watch: Watch<'_>) -> Res
     watch.progress(0.0, "mirroring");
     let prepared = prepare(&input, settings)?;
     watch.progress(0.2, "trying starts");
-    let found = if settings.hierarchical {
+    let mut found = if settings.hierarchical {
         fit_levels(&prepared, settings, watch)?
     } else {
         fit_once(&prepared, &prepared.points, settings, watch)?
     };
-    let superquadric = found.candidate.superquadric(&prepared.X_FD);
-    let finite: Vec<Point3<f64>> = finite_points(input.points);
-    let errors = fit_errors(&superquadric, &finite);
-    let rejected = if settings.reject_outliers { rejected(&prepared, &found.candidate) } else { Vec::new() };
+    let mut parts = vec![found.candidate];
+    if settings.max_parts > 1 {
+        watch.progress(0.85, "looking for parts");
+        let mut composite = split(&prepared, found.candidate, settings, watch)?;
+        found.models.append(&mut composite.models);
+        found.runs.append(&mut composite.runs);
+        parts = composite.parts;
+    }
     watch.progress(1.0, "fitted");
-    Ok(Fit {
-        superquadric,
+    Ok(answer(&input, &prepared, settings, found, &parts))
+}
+
+/// The result with its errors, in the frame of the input; the largest part first.
+fn answer(input: &FitInput<'_>, prepared: &Prepared, settings: &FitSettings, found: Found, parts: &[Candidate]) -> Fit {
+    let mut bodies: Vec<Superquadric> = parts.iter().map(|part| part.superquadric(&prepared.X_FD)).collect();
+    bodies.sort_by(|p, q| q.volume().total_cmp(&p.volume()));
+    let finite: Vec<Point3<f64>> = finite_points(input.points);
+    let (errors, owned) = fit_errors_of_parts(&bodies, &finite);
+    let others = bodies.iter().zip(&owned).skip(1).map(|(superquadric, (points, radial_m))| Part {
+        superquadric: *superquadric,
+        points: *points,
+        radial_m: *radial_m,
+    });
+    Fit {
+        superquadric: bodies[0],
         radial_m: errors.radial_m,
         goodness_of_fit: errors.goodness_of_fit,
         goodness_of_fit_abs: errors.goodness_of_fit_abs,
-        volume_m3: superquadric.volume(),
+        volume_m3: bodies.iter().map(Superquadric::volume).sum(),
         iterations: found.runs.iter().map(|run| run.iterations).sum(),
         points: input.points.len(),
         used_points: found.used_points,
         mirrored: prepared.mirrored_D.iter().map(|p| prepared.X_FD * p).collect(),
-        mirror_note: prepared.mirror_note,
+        mirror_note: prepared.mirror_note.clone(),
+        rejected: if settings.reject_outliers { rejected(prepared, parts) } else { Vec::new() },
+        others: others.collect(),
         runs: found.runs,
-        rejected,
         models: found.models,
-        others: Vec::new(),
-    })
+    }
 }
 
 /// What a search gave.
@@ -131,16 +153,20 @@ fn fit_levels(prepared: &Prepared, settings: &FitSettings, watch: Watch<'_>) -> 
     Ok(found)
 }
 
-/// The seen points that are too far from the shape to belong to it, in F.
-fn rejected(prepared: &Prepared, candidate: &Candidate) -> Vec<RejectedPoint> {
-    let seen: Vec<(Point3<f64>, f64)> = prepared.seen.iter().map(|p| (*p, 1.0)).collect();
-    let residuals = Objective::new(&WeightedPoints::new(&seen), ObjectiveKind::Radial).residuals(candidate);
-    let limit_m = strays::limit_m(&residuals);
-    seen.iter()
-        .zip(&residuals)
-        .filter(|(_, residual)| residual.normal_m.abs() > limit_m)
-        .map(|((p, _), residual)| RejectedPoint { p_F: prepared.X_FD * p, distance_m: residual.normal_m, limit_m })
-        .collect()
+/// The seen points that are too far from every part to belong to the object, in F.
+fn rejected(prepared: &Prepared, parts: &[Candidate]) -> Vec<RejectedPoint> {
+    let seen = WeightedPoints::new(&prepared.seen.iter().map(|p| (*p, 1.0)).collect::<Vec<_>>());
+    let by_part: Vec<Vec<Residual>> =
+        parts.iter().map(|part| Objective::new(&seen, ObjectiveKind::Radial).residuals(part)).collect();
+    let nearest: Vec<Residual> = (0..prepared.seen.len())
+        .filter_map(|k| {
+            let distances = by_part.iter().map(|residuals| residuals[k]);
+            distances.min_by(|p, q| p.normal_m.abs().total_cmp(&q.normal_m.abs()))
+        })
+        .collect();
+    let limit_m = strays::limit_m(&nearest);
+    let far = prepared.seen.iter().zip(&nearest).filter(|(_, residual)| residual.normal_m.abs() > limit_m);
+    far.map(|(p, residual)| RejectedPoint { p_F: prepared.X_FD * p, distance_m: residual.normal_m, limit_m }).collect()
 }
 
 #[cfg(test)]
@@ -155,7 +181,6 @@ mod tests {
     use crate::fit::types::MirrorMode;
     use crate::rng::Rng;
     use crate::segment::Plane;
-    use crate::superquadric::Superquadric;
 
     fn fit_view(scene: &Scene) -> Fit {
         let input = FitInput { points: &scene.seen, X_FC: Some(scene.X_DC), table: Some(table()) };
@@ -281,7 +306,7 @@ mod tests {
         assert_eq!(refused(&lost), FitRefusal::TooFewPoints { found: 0, wanted: 12 });
         let line: Vec<Point3<f64>> = (0..50).map(|k| Point3::new(0.01 * f64::from(k), 0.0, 0.0)).collect();
         assert!(matches!(refused(&line), FitRefusal::Degenerate { .. }));
-        assert!(matches!(refused(&[Point3::new(1.0, 2.0, 3.0); 50]), FitRefusal::Degenerate { .. }));
+        assert_eq!(refused(&[Point3::new(1.0, 2.0, 3.0); 50]), FitRefusal::TooFewPoints { found: 1, wanted: 12 });
 
         let on = FitSettings { mirror: MirrorMode::On, ..settings.clone() };
         let no_camera = FitInput { points: &scene.seen, X_FC: None, table: Some(table()) };

@@ -4,7 +4,7 @@ use nalgebra::Point3;
 
 use super::candidate::{Candidate, DEFORMED, PLAIN};
 use super::levenberg_marquardt::{Limits, Minimum, minimise};
-use super::models::Model;
+use super::models::{Model, deformed};
 use super::objective::{Objective, Residual};
 use super::prepare::Prepared;
 use super::robust::reweighted;
@@ -26,6 +26,10 @@ const STANDING_SHARE: f64 = 0.3;
 const DRAWN_SHARE: f64 = 0.003;
 /// Exponents of the starts: round and square. One of them alone loses 2 % of half-seen shapes.
 const START_EXPONENTS: [f64; 2] = [1.0, 0.4];
+/// Exponent of the boxes that deformed fits start from.
+const DEFORMED_EXPONENTS: [f64; 1] = [0.6];
+/// Exponent of the starts of a brief fit.
+const QUICK_EXPONENTS: [f64; 1] = [0.7];
 /// How many starts are followed further.
 const KEPT_STARTS: usize = 3;
 /// A look-alike replaces the best when its cost is below this share: equal twins (a ball's) must not swap by rounding.
@@ -44,6 +48,8 @@ pub(crate) struct Search<'a> {
     watch: Watch<'a>,
     /// Whether taper and bend are free.
     frees: [bool; 2],
+    /// Whether the points are one part of an object: a joint is an open side.
+    is_part: bool,
     pub(crate) runs: Vec<RunReport>,
 }
 
@@ -55,16 +61,49 @@ impl<'a> Search<'a> {
         settings: &'a FitSettings,
         watch: Watch<'a>,
     ) -> Self {
+        Self { is_part: false, ..Self::of_part(points, &prepared.around, prepared.table, settings, watch) }
+    }
+
+    /// A search over the points of one part of an object.
+    pub(crate) fn of_part(
+        points: &'a [(Point3<f64>, f64)],
+        around: &'a Surroundings,
+        table: Option<Plane>,
+        settings: &'a FitSettings,
+        watch: Watch<'a>,
+    ) -> Self {
         Self {
             points,
             coarse: every_nth(points, COARSE_POINTS),
-            around: &prepared.around,
-            table: prepared.table.map(|plane| (plane, STANDING_SHARE)),
+            around,
+            table: table.map(|plane| (plane, STANDING_SHARE)),
             settings,
             watch,
             frees: [false; 2],
+            is_part: true,
             runs: Vec::new(),
         }
+    }
+
+    /// A brief fit from every axis of the principal box: enough to judge a split.
+    pub(crate) fn quick_best(&self) -> Option<Candidate> {
+        let weighted = WeightedPoints::new(&self.coarse);
+        let run = |from: &Candidate, most: u32| {
+            self.run_laid_out::<PLAIN>(&self.coarse, &weighted, from, &self.limits(most, 1e-3))
+        };
+        let found =
+            starts(&self.coarse, self.around, &QUICK_EXPONENTS).into_iter().map(|start| run(&start.candidate, 8));
+        let best = found.min_by(|p, q| p.cost.total_cmp(&q.cost))?;
+        Some(run(&best.candidate, 16).candidate)
+    }
+
+    /// The shape on these points from one that is nearly right, with new weights.
+    ///
+    /// # Errors
+    /// [`FitRefusal::Stopped`].
+    pub(crate) fn warm(&mut self, from: Candidate) -> Result<Candidate, FitRefusal> {
+        let points = self.points;
+        self.refined::<PLAIN>(points, from, FINE_ROUNDS, "warm")
     }
 
     fn limits(&self, most: u32, relative_reduction: f64) -> Limits {
@@ -85,7 +124,7 @@ impl<'a> Search<'a> {
         limits: &Limits,
     ) -> Minimum {
         let objective = Objective::new(weighted, self.settings.objective).standing_on(self.table);
-        let open = self.around.on_table && !self.around.complete;
+        let open = self.is_part || self.around.on_table && !self.around.complete;
         let objective =
             if open { objective.drawn_to(half_extents(points, self.around, from), DRAWN_SHARE) } else { objective };
         minimise::<N>(&objective, from, &bounds(points, self.around, from, self.frees), limits, self.watch)
@@ -169,6 +208,20 @@ impl<'a> Search<'a> {
     pub(crate) fn fine(&mut self, from: Candidate, model: Model, name: &str) -> Result<Candidate, FitRefusal> {
         self.frees = model.frees();
         if model == Model::Plain { self.fine_over::<PLAIN>(from, name) } else { self.fine_over::<DEFORMED>(from, name) }
+    }
+
+    /// Where a deformed fit starts: the plain shape with every axis once as z, and the boxes that plain fits start from.
+    pub(crate) fn deformed_starts(&self, plain: &Candidate, model: Model) -> Vec<Candidate> {
+        let mut bases = vec![*plain];
+        bases.extend(similar(plain).into_iter().take(2).map(|(_, twin)| twin));
+        bases.extend(starts(&self.coarse, self.around, &DEFORMED_EXPONENTS).into_iter().map(|start| start.candidate));
+        deformed(&bases, model)
+    }
+
+    /// A few steps of a deformed shape on few points: enough to tell the starts apart.
+    pub(crate) fn deformed_brief(&mut self, start: Candidate, model: Model) -> Candidate {
+        self.frees = model.frees();
+        self.run::<DEFORMED>(&self.coarse, &start, &self.limits(12, 1e-3)).candidate
     }
 
     /// A deformed shape on some points, from a start that is deformed a little.

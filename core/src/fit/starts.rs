@@ -12,6 +12,9 @@ use crate::math;
 /// Shortest semi-axis of a fit, metres (methods of the author's code).
 const MIN_SEMI_AXIS_M: f64 = 0.003;
 
+/// Half the thickness that a single face may stand for, as a share of the cloud's longest extent.
+const FACE_SHARE: f64 = 0.15;
+
 /// A start and the words that name it.
 #[derive(Clone, Debug)]
 pub(crate) struct Start {
@@ -103,8 +106,10 @@ pub(crate) fn bounds(
     let longest = full.max();
     let mut bounds = Bounds { lower: [0.0; VALUES], upper: [0.0; VALUES] };
     for k in 0..3 {
-        // A cloud that shows one side only says little about its depth: half of that may be all there is.
-        let most = if around.complete { 0.55 * full[k] } else { (1.1 * full[k]).max(0.55 * longest) };
+        // A cloud that shows one side may show half of the extent along an axis, and says nothing about how thick a
+        // single face is.
+        let unseen = if around.on_table { 0.55 } else { FACE_SHARE };
+        let most = if around.complete { 0.55 * full[k] } else { (1.1 * full[k]).max(unseen * longest) };
         bounds.lower[k] = MIN_SEMI_AXIS_M;
         bounds.upper[k] = most.max(2.0 * MIN_SEMI_AXIS_M);
         let center: f64 = candidate.rotation().row(k).transpose().dot(&(0.5 * (low + high)));

@@ -9,21 +9,28 @@ use super::robust::sigma_m;
 
 /// Outliers are suspected when more than this share of the points is far from the first fit.
 const SUSPICIOUS_SHARE: f64 = 0.02;
+/// They are suspected too when the scale of the residuals is more than this part of the mean distance from the centre:
+/// strays may have spoiled the fit so much that none of them is far from it.
+const SUSPICIOUS_SCALE: f64 = 0.02;
 /// A point is far beyond this many σ, and beyond this part of the mean distance from the centre.
 const FAR_SIGMAS: f64 = 6.0;
 const FAR_SHARE: f64 = 0.04;
-/// A point with fewer neighbours than this part of the median stands alone. On a surface the least is about a quarter
+/// A point with less weight around it than this part of the median stands alone. On a surface the least is about a quarter
 /// (a corner of a rim), in a cloud of strays around it a few percent.
 const LONELY_SHARE: f64 = 0.2;
 /// Points per cell that the grid for neighbours aims at, on the surface of the cloud's bounding box.
 const PER_CELL: f64 = 2.0;
 /// Passes: each makes the bounding box, and with it the cells, smaller.
-const PASSES: usize = 2;
+const PASSES: usize = 3;
 
 /// Distance along the normal beyond which a point does not belong to the shape, metres.
 pub(crate) fn limit_m(residuals: &[Residual]) -> f64 {
-    let radius_m = residuals.iter().map(|r| r.radius_m).sum::<f64>() / residuals.len().max(1) as f64;
-    (FAR_SIGMAS * sigma_m(residuals)).max(FAR_SHARE * radius_m)
+    (FAR_SIGMAS * sigma_m(residuals)).max(FAR_SHARE * radius_m(residuals))
+}
+
+/// Mean distance from the centre, metres.
+fn radius_m(residuals: &[Residual]) -> f64 {
+    residuals.iter().map(|r| r.radius_m).sum::<f64>() / residuals.len().max(1) as f64
 }
 
 /// Whether so many points are far that gross outliers may have spoiled the search.
@@ -31,6 +38,7 @@ pub(crate) fn are_suspected(residuals: &[Residual]) -> bool {
     let limit_m = limit_m(residuals);
     let far = residuals.iter().filter(|r| r.normal_m.abs() > limit_m).count();
     far as f64 > SUSPICIOUS_SHARE * residuals.len() as f64
+        || sigma_m(residuals) > SUSPICIOUS_SCALE * radius_m(residuals)
 }
 
 /// The points that have neighbours: as many as others have, or nearly.
@@ -42,23 +50,62 @@ fn without_lonely(points: &[(Point3<f64>, f64)]) -> Vec<(Point3<f64>, f64)> {
     let Some(edge_m) = cell_m(points) else { return points.to_vec() };
     let cell = |p: &Point3<f64>| [0, 1, 2].map(|i| (p[i] / edge_m).floor() as i32);
     // Looked up, never iterated, so the order of the hash does not matter.
-    let mut counts: HashMap<[i32; 3], u32> = HashMap::new();
-    for (p, _) in points {
-        *counts.entry(cell(p)).or_default() += 1;
+    let mut weights: HashMap<[i32; 3], f64> = HashMap::new();
+    for (p, weight) in points {
+        *weights.entry(cell(p)).or_default() += weight;
     }
-    let company: Vec<u32> = points
+    let company: Vec<f64> = points
         .iter()
         .map(|(p, _)| {
             let [x, y, z] = cell(p);
             let around =
                 (-1..=1).flat_map(|i| (-1..=1).flat_map(move |j| (-1..=1).map(move |k| [x + i, y + j, z + k])));
-            around.filter_map(|key| counts.get(&key)).sum()
+            around.filter_map(|key| weights.get(&key)).sum()
         })
         .collect();
     let mut sorted = company.clone();
-    sorted.sort_unstable();
-    let median = f64::from(sorted[sorted.len() / 2]);
-    points.iter().zip(company).filter(|(_, n)| f64::from(*n) >= LONELY_SHARE * median).map(|(p, _)| *p).collect()
+    sorted.sort_unstable_by(f64::total_cmp);
+    let median = sorted[sorted.len() / 2];
+    points.iter().zip(company).filter(|(_, weight)| *weight >= LONELY_SHARE * median).map(|(p, _)| *p).collect()
+}
+
+/// Connected pieces of a set of points, largest first: indices of their points in ascending order.
+///
+/// Points are connected when their cells touch, cells being as large as neighbours are apart.
+pub(crate) fn pieces(points: &[Point3<f64>]) -> Vec<Vec<usize>> {
+    let pairs: Vec<(Point3<f64>, f64)> = points.iter().map(|p| (*p, 1.0)).collect();
+    let Some(edge_m) = cell_m(&pairs) else { return Vec::new() };
+    let cell = |p: &Point3<f64>| [0, 1, 2].map(|i| (p[i] / edge_m).floor() as i32);
+    // Looked up, never iterated, so the order of the hash does not matter.
+    let mut members: HashMap<[i32; 3], Vec<usize>> = HashMap::new();
+    for (k, p) in points.iter().enumerate() {
+        members.entry(cell(p)).or_default().push(k);
+    }
+    let mut is_taken = vec![false; points.len()];
+    let mut pieces = Vec::new();
+    for first in 0..points.len() {
+        if is_taken[first] {
+            continue;
+        }
+        is_taken[first] = true;
+        let mut piece = vec![first];
+        let mut next = 0;
+        while let Some(&k) = piece.get(next) {
+            next += 1;
+            let [x, y, z] = cell(&points[k]);
+            for key in (-1..=1).flat_map(|i| (-1..=1).flat_map(move |j| (-1..=1).map(move |l| [x + i, y + j, z + l]))) {
+                for &other in members.get(&key).into_iter().flatten() {
+                    if !std::mem::replace(&mut is_taken[other], true) {
+                        piece.push(other);
+                    }
+                }
+            }
+        }
+        piece.sort_unstable();
+        pieces.push(piece);
+    }
+    pieces.sort_by_key(|piece| std::cmp::Reverse(piece.len())); // stable: equal pieces keep their order
+    pieces
 }
 
 /// Edge of the grid for neighbours, metres; `None` without extent.

@@ -240,7 +240,7 @@ pub struct Part {
 #[non_exhaustive]
 pub enum FitRefusal {
     /// Eleven parameters need more points than this.
-    #[error("the cluster has {found} finite points, a fit wants at least {wanted}")]
+    #[error("the cluster has {found} different finite points, a fit wants at least {wanted}")]
     TooFewPoints { found: usize, wanted: usize },
     /// The points lie on a line or in one place: the second of their three principal deviations is too small.
     #[error(
