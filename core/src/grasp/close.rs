@@ -1,9 +1,9 @@
-//! Closing a hand on a superquadric: each finger until it touches, proximal joint first, then what it touches.
+//! Closing a hand on an object: each finger until it touches, proximal joint first, then what it touches.
 
 use nalgebra::{Isometry3, Point3};
 
+use super::bodies::Bodies;
 use super::{Contact, HandModel};
-use crate::superquadric::DistanceField;
 
 /// How far rubber pads and packaging give, metres: surfaces this close after closing count as touching.
 pub(super) const PAD_GIVE_M: f64 = 0.002;
@@ -21,7 +21,7 @@ pub(super) fn deepest(
     hand: &HandModel,
     X_HL: &[Isometry3<f64>],
     X_OH: &Isometry3<f64>,
-    object: &DistanceField,
+    object: &Bodies,
     only: impl Fn(usize) -> bool,
 ) -> (usize, f64) {
     let mut worst = (0, f64::NEG_INFINITY);
@@ -50,7 +50,7 @@ pub(super) fn deepest(
 /// Every joint of a finger, proximal first, turns towards its closed position until a link that it moves touches. The
 /// gap to the object is a lower bound, and no point moves faster than the joint's lever: so the joint may advance by
 /// gap / lever without passing the first contact (conservative advancement, Mirtich 1996).
-pub(super) fn close(hand: &HandModel, X_OH: &Isometry3<f64>, object: &DistanceField) -> Vec<f64> {
+pub(super) fn close(hand: &HandModel, X_OH: &Isometry3<f64>, object: &Bodies) -> Vec<f64> {
     let mut positions = hand.open.clone();
     for &value in hand.fingers.iter().flatten() {
         let (open, closed) = (hand.open[value], hand.closed[value]);
@@ -71,12 +71,7 @@ pub(super) fn close(hand: &HandModel, X_OH: &Isometry3<f64>, object: &DistanceFi
 }
 
 /// Where the closed hand touches the object: points of the object's surface, at most four per link.
-pub(super) fn contacts(
-    hand: &HandModel,
-    positions: &[f64],
-    X_OH: &Isometry3<f64>,
-    object: &DistanceField,
-) -> Vec<Contact> {
+pub(super) fn contacts(hand: &HandModel, positions: &[f64], X_OH: &Isometry3<f64>, object: &Bodies) -> Vec<Contact> {
     let X_HL = hand.link_poses(positions);
     let mut contacts = Vec::new();
     for (link, X_HL) in hand.links.iter().zip(&X_HL) {
@@ -84,22 +79,23 @@ pub(super) fn contacts(
         if object.signed_distance(&(X_OL * link.ball.0)) > link.ball.1 + PAD_GIVE_M {
             continue;
         }
-        let mut near: Vec<(f64, Point3<f64>)> = link
+        let mut near: Vec<(f64, Point3<f64>, f64)> = link
             .spheres
             .iter()
             .filter_map(|(center, radius)| {
                 let p_O = X_OL * center;
                 let gap = object.signed_distance(&p_O) - radius;
-                (gap < PAD_GIVE_M).then_some((gap, p_O))
+                (gap < PAD_GIVE_M).then_some((gap, p_O, *radius))
             })
             .collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
         let first = contacts.len();
-        for (_, p_O) in near {
-            let (distance_m, n_O) = object.signed_distance_and_normal(&p_O);
-            let surface = p_O - n_O * distance_m;
-            let taken: &[Contact] = &contacts[first..];
-            if taken.len() < CONTACTS_PER_LINK && taken.iter().all(|c| (c.p_O - surface).norm() >= CONTACT_SPACING_M) {
+        for (_, p_O, radius_m) in near {
+            if contacts.len() - first == CONTACTS_PER_LINK {
+                break;
+            }
+            let Some((surface, n_O)) = object.contact(&p_O, radius_m, PAD_GIVE_M) else { continue };
+            if contacts[first..].iter().all(|c: &Contact| (c.p_O - surface).norm() >= CONTACT_SPACING_M) {
                 contacts.push(Contact { p_O: surface, n_O, link: link.name.clone() });
             }
         }
