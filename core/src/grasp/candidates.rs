@@ -299,28 +299,40 @@ mod tests {
     }
 
     #[test]
-    fn contacts_lie_on_the_free_surface_with_its_normal_and_candidates_start_there() {
+    fn contacts_lie_on_the_free_surface_with_its_normal_within_reach_of_their_link() {
         let robot = crichton();
-        for bodies in [mug(), hammer()] {
-            let on_surface = |p: &Point3<f64>, tolerance_m: f64| {
-                bodies.iter().map(|body| body.signed_distance(p)).fold(f64::INFINITY, f64::min).abs() < tolerance_m
-            };
+        let hand = HandModel::new(&robot, &robot.arms[0]);
+        let brick = vec![body([0.02, 0.03, 0.08], [0.1, 0.1], Vector3::x(), Vector3::z(), [0.0; 3])];
+        for bodies in [brick, mug(), hammer()] {
             let mut contacts = 0;
             for grasp in grasps(&robot, &bodies).iter().filter(|grasp| grasp.is_accepted()) {
+                let X_HL = hand.link_poses(&grasp.closed);
                 for contact in &grasp.contacts {
-                    let nearest = |body: &&Superquadric| body.signed_distance(&contact.p_O).abs();
-                    let body = bodies.iter().min_by(|l, r| nearest(l).total_cmp(&nearest(r))).unwrap();
+                    let depth = |body: &Superquadric| body.ln_inside_outside(&body.to_axes(&contact.p_O));
+                    let body = bodies.iter().min_by(|l, r| depth(l).abs().total_cmp(&depth(r).abs())).unwrap();
+                    assert!(depth(body).abs() < 1e-8 && bodies.iter().all(|body| depth(body) > -1e-3));
+                    assert!(body.normal_at(&contact.p_O).dot(&contact.n_O) > 1.0 - 1e-6);
+                    let link = hand.links.iter().position(|link| link.name == contact.link).unwrap();
+                    let X_OL = grasp.X_OH * X_HL[link];
+                    let gap = |(center, radius): &(Point3<f64>, f64)| (X_OL * center - contact.p_O).norm() - radius;
+                    let gap_m = hand.links[link].spheres.iter().map(gap).fold(f64::INFINITY, f64::min);
+                    assert!(gap_m <= close::PAD_GIVE_M + 1e-9, "{gap_m} at grasp {}", grasp.id);
                     contacts += 1;
-                    if body.is_deformed() {
-                        assert!(on_surface(&contact.p_O, 1e-4));
-                        assert!(body.normal_at(&contact.p_O).dot(&contact.n_O) > 0.999);
-                    }
                 }
             }
-            assert!(contacts > 20);
+            assert!(contacts > 100, "{contacts}");
+        }
+    }
+
+    #[test]
+    fn candidates_start_from_what_no_other_body_covers() {
+        for bodies in [mug(), hammer()] {
             let union = Bodies::new(&bodies);
             for part in 0..2 {
-                assert!(union.samples(part, 20).iter().all(|sample| on_surface(&sample.p_F, 2e-6)));
+                let samples = union.samples(part, 60);
+                assert!(!samples.is_empty() && samples.len() < bodies[part].samples(60).len());
+                let other = &bodies[1 - part];
+                assert!(samples.iter().all(|sample| other.signed_distance(&sample.p_F) > -2e-6));
             }
         }
     }

@@ -13,6 +13,8 @@ const CONTACT_SPACING_M: f64 = 0.008;
 const CONTACTS_PER_LINK: usize = 4;
 /// A link this close to the object touches it, metres: far below what a pad gives.
 const TOUCH_M: f64 = 1e-4;
+/// Gaps below this are measured with the tight distance, metres: a loose one would stop a finger in the air.
+const NEAR_M: f64 = 0.003;
 /// Advances of one joint at most; each is as long as the gap allows, so ten are usual.
 const MAX_ADVANCES: usize = 200;
 
@@ -36,7 +38,11 @@ pub(super) fn deepest(
             continue;
         }
         for (center, radius) in &link.spheres {
-            let depth = radius - object.signed_distance(&(X_OL * center));
+            let p_O = X_OL * center;
+            let mut depth = radius - object.signed_distance(&p_O);
+            if depth > worst.1 && depth > -NEAR_M {
+                depth = radius - object.near_distance(&p_O);
+            }
             if depth > worst.1 {
                 worst = (index, depth);
             }
@@ -94,9 +100,9 @@ pub(super) fn contacts(hand: &HandModel, positions: &[f64], X_OH: &Isometry3<f64
             if contacts.len() - first == CONTACTS_PER_LINK {
                 break;
             }
-            let Some((surface, n_O)) = object.contact(&p_O, radius_m, PAD_GIVE_M) else { continue };
-            if contacts[first..].iter().all(|c: &Contact| (c.p_O - surface).norm() >= CONTACT_SPACING_M) {
-                contacts.push(Contact { p_O: surface, n_O, link: link.name.clone() });
+            let Some(foot) = object.contact(&p_O, radius_m, PAD_GIVE_M) else { continue };
+            if contacts[first..].iter().all(|c: &Contact| (c.p_O - foot.p_F).norm() >= CONTACT_SPACING_M) {
+                contacts.push(Contact { p_O: foot.p_F, n_O: foot.n_F, link: link.name.clone() });
             }
         }
     }
