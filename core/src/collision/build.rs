@@ -43,7 +43,7 @@ pub(crate) fn build(
         let (frame, X_FL) = link_frames
             .get(carried.tcp_link)
             .ok_or(CollisionError::NoSuchArm { found: carried.tcp_link, arms: robot.arms.len() })?;
-        add(Owner::Carried, *frame, vec![carried.solid_H.carried_by(X_FL)]);
+        add(Owner::Carried, *frame, carried.solids_H.iter().map(|solid| solid.carried_by(X_FL)).collect());
     }
     // Links from the hand back to the shoulder: the hand meets things first.
     for (link, (frame, X_FL)) in link_frames.iter().enumerate().rev() {

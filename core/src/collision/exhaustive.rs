@@ -46,7 +46,9 @@ impl Exhaustive {
             }
         }
         if let Some(carried) = carried {
-            bodies.push(judged(Party::Carried, &carried.name, Some(carried.tcp_link), &carried.solid_H)?);
+            for solid_H in &carried.solids_H {
+                bodies.push(judged(Party::Carried, &carried.name, Some(carried.tcp_link), solid_H)?);
+            }
         }
         for obstacle in &world.obstacles {
             bodies.push(judged(Party::Obstacle(obstacle.name.clone()), &obstacle.name, None, &obstacle.solid_W)?);
@@ -118,7 +120,7 @@ impl Exhaustive {
         let skipped = match (&a.party, &b.party) {
             (Party::Link(a), Party::Link(b)) => !self.model.looked_at(*a, *b),
             (Party::Carried, Party::Link(link)) | (Party::Link(link), Party::Carried) => self.touching.contains(link),
-            (Party::Obstacle(_), Party::Obstacle(_)) => true,
+            (Party::Obstacle(_), Party::Obstacle(_)) | (Party::Carried, Party::Carried) => true,
             _ => false,
         };
         let depth_m = self

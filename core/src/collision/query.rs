@@ -258,11 +258,16 @@ mod tests {
         world
     }
 
+    /// A brick with a rod through it: two convex pieces.
     fn brick(robot: &crate::robot::Robot, arm: usize) -> CarriedObject {
-        let corners: Vec<_> = (0..8)
-            .map(|k| Point3::new(f64::from(k & 1) - 0.5, f64::from(k >> 1 & 1) - 0.5, f64::from(k >> 2) - 0.5) * 0.1)
-            .collect();
-        CarriedObject::from_points("brick", &corners, &Isometry3::translation(0.0, 0.0, 0.05), robot, arm).unwrap()
+        let cuboid = |x: f64, y: f64, z: f64| -> Vec<_> {
+            (0..8)
+                .map(|k| Vector3::new(f64::from(k & 1) - 0.5, f64::from(k >> 1 & 1) - 0.5, f64::from(k >> 2) - 0.5))
+                .map(|corner| Point3::from(corner.component_mul(&Vector3::new(x, y, z))))
+                .collect()
+        };
+        let pieces = [cuboid(0.1, 0.1, 0.1), cuboid(0.3, 0.01, 0.02)];
+        CarriedObject::from_pieces("brick", &pieces, &Isometry3::translation(0.0, 0.0, 0.05), robot, arm).unwrap()
     }
 
     #[test]

@@ -9,12 +9,12 @@ use super::parry::hull_corners;
 use super::solid::{Core, Solid};
 use crate::robot::Robot;
 
-/// A convex object O that is fixed to a hand frame H.
+/// An object O of convex pieces that is fixed to a hand frame H.
 #[derive(Clone, Debug)]
 pub struct CarriedObject {
     pub(crate) name: String,
     pub(crate) tcp_link: usize,
-    pub(crate) solid_H: Solid,
+    pub(crate) solids_H: Vec<Solid>,
     pub(crate) touching: Vec<usize>,
 }
 
@@ -33,11 +33,26 @@ impl CarriedObject {
         robot: &Robot,
         arm: usize,
     ) -> Result<Self, CollisionError> {
+        Self::from_pieces(name, &[points_O], X_HO, robot, arm)
+    }
+
+    /// As [`CarriedObject::from_points`], one hull per piece: a mug with its handle.
+    ///
+    /// # Errors
+    /// As [`CarriedObject::from_points`], for the first piece that is wrong.
+    pub fn from_pieces<P: AsRef<[Point3<f64>]>>(
+        name: &str,
+        pieces_O: &[P],
+        X_HO: &Isometry3<f64>,
+        robot: &Robot,
+        arm: usize,
+    ) -> Result<Self, CollisionError> {
         let hand = &robot.arms.get(arm).ok_or(CollisionError::NoSuchArm { found: arm, arms: robot.arms.len() })?.hand;
+        let solid = |points_O: &P| Ok(Solid::new(hull(name, points_O.as_ref().iter().map(|p| p.coords))?, 0.0, X_HO));
         Ok(Self {
             name: name.to_owned(),
             tcp_link: hand.tcp_link,
-            solid_H: Solid::new(hull(name, points_O.iter().map(|p| p.coords))?, 0.0, X_HO),
+            solids_H: pieces_O.iter().map(solid).collect::<Result<_, _>>()?,
             touching: hand.links.clone(),
         })
     }

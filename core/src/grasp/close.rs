@@ -1,9 +1,9 @@
-//! Closing a hand on a superquadric: each finger until it touches, proximal joint first, then what it touches.
+//! Closing a hand on an object: each finger until it touches, proximal joint first, then what it touches.
 
 use nalgebra::{Isometry3, Point3};
 
+use super::bodies::Bodies;
 use super::{Contact, HandModel};
-use crate::superquadric::DistanceField;
 
 /// How far rubber pads and packaging give, metres: surfaces this close after closing count as touching.
 pub(super) const PAD_GIVE_M: f64 = 0.002;
@@ -13,6 +13,8 @@ const CONTACT_SPACING_M: f64 = 0.008;
 const CONTACTS_PER_LINK: usize = 4;
 /// A link this close to the object touches it, metres: far below what a pad gives.
 const TOUCH_M: f64 = 1e-4;
+/// Gaps below this are measured with the tight distance, metres: a loose one would stop a finger in the air.
+const NEAR_M: f64 = 0.003;
 /// Advances of one joint at most; each is as long as the gap allows, so ten are usual.
 const MAX_ADVANCES: usize = 200;
 
@@ -21,7 +23,7 @@ pub(super) fn deepest(
     hand: &HandModel,
     X_HL: &[Isometry3<f64>],
     X_OH: &Isometry3<f64>,
-    object: &DistanceField,
+    object: &Bodies,
     only: impl Fn(usize) -> bool,
 ) -> (usize, f64) {
     let mut worst = (0, f64::NEG_INFINITY);
@@ -36,7 +38,11 @@ pub(super) fn deepest(
             continue;
         }
         for (center, radius) in &link.spheres {
-            let depth = radius - object.signed_distance(&(X_OL * center));
+            let p_O = X_OL * center;
+            let mut depth = radius - object.signed_distance(&p_O);
+            if depth > worst.1 && depth > -NEAR_M {
+                depth = radius - object.near_distance(&p_O);
+            }
             if depth > worst.1 {
                 worst = (index, depth);
             }
@@ -50,7 +56,7 @@ pub(super) fn deepest(
 /// Every joint of a finger, proximal first, turns towards its closed position until a link that it moves touches. The
 /// gap to the object is a lower bound, and no point moves faster than the joint's lever: so the joint may advance by
 /// gap / lever without passing the first contact (conservative advancement, Mirtich 1996).
-pub(super) fn close(hand: &HandModel, X_OH: &Isometry3<f64>, object: &DistanceField) -> Vec<f64> {
+pub(super) fn close(hand: &HandModel, X_OH: &Isometry3<f64>, object: &Bodies) -> Vec<f64> {
     let mut positions = hand.open.clone();
     for &value in hand.fingers.iter().flatten() {
         let (open, closed) = (hand.open[value], hand.closed[value]);
@@ -71,12 +77,7 @@ pub(super) fn close(hand: &HandModel, X_OH: &Isometry3<f64>, object: &DistanceFi
 }
 
 /// Where the closed hand touches the object: points of the object's surface, at most four per link.
-pub(super) fn contacts(
-    hand: &HandModel,
-    positions: &[f64],
-    X_OH: &Isometry3<f64>,
-    object: &DistanceField,
-) -> Vec<Contact> {
+pub(super) fn contacts(hand: &HandModel, positions: &[f64], X_OH: &Isometry3<f64>, object: &Bodies) -> Vec<Contact> {
     let X_HL = hand.link_poses(positions);
     let mut contacts = Vec::new();
     for (link, X_HL) in hand.links.iter().zip(&X_HL) {
@@ -84,23 +85,24 @@ pub(super) fn contacts(
         if object.signed_distance(&(X_OL * link.ball.0)) > link.ball.1 + PAD_GIVE_M {
             continue;
         }
-        let mut near: Vec<(f64, Point3<f64>)> = link
+        let mut near: Vec<(f64, Point3<f64>, f64)> = link
             .spheres
             .iter()
             .filter_map(|(center, radius)| {
                 let p_O = X_OL * center;
                 let gap = object.signed_distance(&p_O) - radius;
-                (gap < PAD_GIVE_M).then_some((gap, p_O))
+                (gap < PAD_GIVE_M).then_some((gap, p_O, *radius))
             })
             .collect();
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
         let first = contacts.len();
-        for (_, p_O) in near {
-            let (distance_m, n_O) = object.signed_distance_and_normal(&p_O);
-            let surface = p_O - n_O * distance_m;
-            let taken: &[Contact] = &contacts[first..];
-            if taken.len() < CONTACTS_PER_LINK && taken.iter().all(|c| (c.p_O - surface).norm() >= CONTACT_SPACING_M) {
-                contacts.push(Contact { p_O: surface, n_O, link: link.name.clone() });
+        for (_, p_O, radius_m) in near {
+            if contacts.len() - first == CONTACTS_PER_LINK {
+                break;
+            }
+            let Some(foot) = object.contact(&p_O, radius_m, PAD_GIVE_M) else { continue };
+            if contacts[first..].iter().all(|c: &Contact| (c.p_O - foot.p_F).norm() >= CONTACT_SPACING_M) {
+                contacts.push(Contact { p_O: foot.p_F, n_O: foot.n_F, link: link.name.clone() });
             }
         }
     }

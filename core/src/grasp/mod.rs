@@ -1,5 +1,6 @@
 //! From a fitted object to ranked grasps, each with its reasons (thesis 4.2 and chapter 5).
 
+mod bodies;
 mod candidates;
 mod close;
 mod hand;
@@ -21,6 +22,9 @@ use serde::{Deserialize, Serialize};
 pub struct Grasp {
     /// Number in the order of generation; the same seed and fit give the same number to the same grasp.
     pub id: u32,
+    /// Body of the object that it started from: 0 is the main one, the others stand in the order of the fit.
+    #[serde(default)]
+    pub part: usize,
     /// Pose of the hand frame H in the object frame O (the fitted superquadric's axes S).
     pub X_OH: Isometry3<f64>,
     /// Finger positions after closing, in the order of `Hand::fingers` flattened.

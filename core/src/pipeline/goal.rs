@@ -2,27 +2,34 @@
 
 use nalgebra::{Isometry3, Translation3, Vector3};
 
+use crate::fit::Fit;
 use crate::scene::{Scene, Task};
 use crate::superquadric::Superquadric;
 
 /// Room left between the object and what it is put on, metres: it is let go just above.
 const SETTLE_GAP_M: f64 = 0.002;
 
-/// Goal pose in W of the object frame O, the axes of the fitted superquadric; `None` for a task without a goal.
+/// Goal pose in W of the object frame O, the axes of the fit's main superquadric; `None` for a task without a goal.
 ///
 /// The task's motion, from the described object's start to its goal, is applied to the fit, and the result is moved
-/// along z until its lowest point is just above what it shall stand on. For a dropped cloud the described object does
+/// along z until the lowest point of all its bodies is just above what it shall stand on. For a dropped cloud the described object does
 /// not exist: only the motion's translation is taken.
-pub(super) fn goal_pose(scene: &Scene, fitted: &Superquadric, is_dropped: bool) -> Option<Isometry3<f64>> {
+pub(super) fn goal_pose(scene: &Scene, fitted: &Fit, is_dropped: bool) -> Option<Isometry3<f64>> {
     let Task::PickAndPlace { object, X_WO_goal } = &scene.task else { return None };
     let X_WO_start = scene.objects[*object].X_WO;
-    let X_WS = fitted.X_FS;
+    let X_WS = fitted.superquadric.X_FS;
     let moved = if is_dropped {
         Translation3::from(X_WO_goal.translation.vector - X_WO_start.translation.vector) * X_WS
     } else {
         X_WO_goal * X_WO_start.inverse() * X_WS
     };
-    let lowest = moved.translation.z - Superquadric { X_FS: moved, ..*fitted }.support(&-Vector3::z());
+    let motion = moved * X_WS.inverse();
+    let lowest_of = |X_WS: &Isometry3<f64>, body: &Superquadric| {
+        X_WS.translation.z - Superquadric { X_FS: *X_WS, ..*body }.support(&-Vector3::z())
+    };
+    let main = lowest_of(&moved, &fitted.superquadric);
+    let others = fitted.others.iter().map(|part| lowest_of(&(motion * part.superquadric.X_FS), &part.superquadric));
+    let lowest = others.fold(main, f64::min);
     let lift = support_height(scene, &moved) + SETTLE_GAP_M - lowest;
     Some(Translation3::new(0.0, 0.0, lift) * moved)
 }

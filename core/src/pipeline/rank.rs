@@ -1,8 +1,9 @@
 //! From candidates to ranked grasps: each one situated at the start and at the goal.
 
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Point3};
 
 use crate::collision::{CollisionError, HandChecker, Scratch, World};
+use crate::fit::Fit;
 use crate::grasp::{Grasp, GraspSettings, GraspStatus, HandHit, HandModel, Obstruction, Reach, Situated, candidates};
 use crate::job::{FitOutput, Refusal};
 use crate::library::Library;
@@ -24,7 +25,7 @@ const SAME_OBJECT_M: f64 = 0.08;
 pub(super) fn workcell(
     scene: &Scene,
     fits: &FitOutput,
-    clusters: &[Vec<nalgebra::Point3<f64>>],
+    clusters: &[Vec<Point3<f64>>],
     is_dropped: bool,
     library: &Library,
 ) -> Result<Workcell, Refusal> {
@@ -59,9 +60,9 @@ pub(super) fn workcell(
         hand,
         q_start,
         world,
-        target_O: hull_corners(&target.superquadric),
+        target_O: bodies_in_object(target).iter().flat_map(pieces).collect(),
         X_WO_start: target.superquadric.X_FS,
-        X_WO_goal: super::goal::goal_pose(scene, &target.superquadric, is_dropped),
+        X_WO_goal: super::goal::goal_pose(scene, target, is_dropped),
         robot,
     })
 }
@@ -70,16 +71,25 @@ fn refusal(error: &dyn std::error::Error) -> Refusal {
     Refusal { message: error.to_string(), details: Vec::new() }
 }
 
-/// Corners of a superquadric in its own axes.
-fn hull_corners(superquadric: &Superquadric) -> Vec<nalgebra::Point3<f64>> {
-    superquadric.mesh_in_axes(HULL_HALF).positions
+/// The bodies of a fit in its object frame O: the axes of its main superquadric.
+fn bodies_in_object(fit: &Fit) -> Vec<Superquadric> {
+    let X_OW = fit.superquadric.X_FS.inverse();
+    let main = Superquadric { X_FS: Isometry3::identity(), ..fit.superquadric };
+    std::iter::once(main).chain(fit.others.iter().map(|part| part.superquadric.transformed(&X_OW))).collect()
+}
+
+/// Corners of the convex pieces of a body, in the frame that it stands in.
+fn pieces(body: &Superquadric) -> Vec<Vec<Point3<f64>>> {
+    let mut pieces = body.convex_pieces_in_axes(HULL_HALF);
+    pieces.iter_mut().flatten().for_each(|p| *p = body.X_FS * *p);
+    pieces
 }
 
 /// Table, known boxes and the other clusters, by their fits or, without one, by their points.
 fn obstacles(
     scene: &Scene,
     fits: &FitOutput,
-    clusters: &[Vec<nalgebra::Point3<f64>>],
+    clusters: &[Vec<Point3<f64>>],
     is_dropped: bool,
 ) -> Result<World, WorkcellError> {
     let mut world = World::new();
@@ -92,9 +102,11 @@ fn obstacles(
     for (index, fit) in fits.fits.iter().enumerate().filter(|(index, _)| *index != fits.target) {
         match fit {
             Ok(fit) => {
-                let X_WS = &fit.superquadric.X_FS;
-                let name = neighbour_name(scene, X_WS, index, is_dropped);
-                world.add_hull(&name, &hull_corners(&fit.superquadric), X_WS)?;
+                let X_WO = &fit.superquadric.X_FS;
+                let name = neighbour_name(scene, X_WO, index, is_dropped);
+                for piece_O in bodies_in_object(fit).iter().flat_map(pieces) {
+                    world.add_hull(&name, &piece_O, X_WO)?;
+                }
             }
             // Points that span no volume cannot be fitted either: there is nothing to hit.
             Err(_) => {
@@ -117,14 +129,10 @@ fn neighbour_name(scene: &Scene, X_WS: &Isometry3<f64>, index: usize, is_dropped
 }
 
 /// Candidates that the hand alone could take where the object stands.
-pub(super) fn grasp_candidates(
-    cell: &Workcell,
-    target: &Superquadric,
-    settings: &GraspSettings,
-) -> Result<Vec<Grasp>, Refusal> {
+pub(super) fn grasp_candidates(cell: &Workcell, target: &Fit, settings: &GraspSettings) -> Result<Vec<Grasp>, Refusal> {
     let hand_checker = |fingers: &[f64]| HandChecker::new(&cell.model, &cell.world, &[], cell.arm_index, fingers);
     let open = hand_checker(&cell.hand.open).map_err(|error| refusal(&error))?;
-    Ok(candidates(&cell.hand, target, settings, &|X_OH, fingers| {
+    Ok(candidates(&cell.hand, &bodies_in_object(target), settings, &|X_OH, fingers| {
         let X_WH = cell.X_WO_start * X_OH;
         let hit = if fingers == cell.hand.open {
             open.first_hit(&X_WH)

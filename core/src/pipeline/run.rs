@@ -107,7 +107,7 @@ impl Pipeline {
             let Some(Ok(target)) = fits.fits.get(fits.target) else {
                 return Err(Refusal { message: "the object to grasp has no fit".into(), details: Vec::new() });
             };
-            let grasps = rank::grasp_candidates(&cell, &target.superquadric, &GraspSettings::default())?;
+            let grasps = rank::grasp_candidates(&cell, target, &GraspSettings::default())?;
             Ok((cell, grasps))
         })?;
         if stage == Stage::Grasps {

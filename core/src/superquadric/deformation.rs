@@ -131,6 +131,17 @@ impl Superquadric {
         if self.is_deformed() { self.deformation().deformed(p_0) } else { *p_0 }
     }
 
+    /// The directions of the base's x, y and z axes in F, as the bend turns them at a point of F: columns of a rotation.
+    pub fn local_axes(&self, p_F: &Point3<f64>) -> Matrix3<f64> {
+        let R_FS = *self.X_FS.rotation.to_rotation_matrix().matrix();
+        if self.bend_per_m == 0.0 {
+            return R_FS;
+        }
+        let tapered = self.deformation().base_point(&self.to_axes(p_F)).tapered;
+        let columns = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| R_FS * tapered.turned(&axis));
+        Matrix3::from_columns(&columns)
+    }
+
     /// The gradient in S, at the place of a base point of the body, of a function with gradient `g` there in the base.
     ///
     /// `J⁻ᵀ g` with the deformation's Jacobian J: takes normals to normals (Barr 1984), not to unit length.

@@ -23,7 +23,7 @@
 use nalgebra::{Point3, Vector3};
 
 use super::bent_box::BentBox;
-use super::deformation::Deformation;
+use super::deformation::{BasePoint, Deformation};
 use super::{AxesGauge, Superquadric, fast_exp};
 
 /// A motion is looked at up to this part of the distance to the axis of curvature: ε above.
@@ -90,20 +90,7 @@ impl DeformedField {
         if g.norm_squared() == 0.0 {
             return None;
         }
-        let (level, z) = (fast_exp(-gauge.ln_rho), p_0.z); // 1/ρ
-        // Beyond the ends the taper's scale is another than 1 + k z, in which χ is quadratic.
-        let linear = if z.abs() <= self.c { base.scale.value } else { 1.0 + self.taper_per_m * z };
-        let value = base.scale.value * (1.0 - gauge.shares[2]) + linear * (gauge.shares[2] - level);
-        let chi_z = g.z * linear + (g.z * z - level) * self.taper_per_m;
-        let over = 1.0 / base.tapered.stretch;
-        let hollow = (g.y * self.bend_per_m).max(0.0) * over;
-        let closing = (-g.z * self.taper_per_m).max(0.0);
-        let clearance = Clearance {
-            value,
-            gradient_S: base.tapered.inverse_transposed_times(&Vector3::new(g.x, g.y, chi_z)),
-            curvature: hollow + (chi_z.abs() * self.curvature + 2.0 * closing) * over * over,
-            radius_m: base.tapered.stretch / self.curvature,
-        };
+        let clearance = self.clearance(&base, &g, fast_exp(-gauge.ln_rho));
         let slope = clearance.gradient_S.norm();
         let distance = if gauge.ln_rho > 0.0 {
             clearance.safe_step(slope).max(self.bent_box.distance(p_S, &base.tapered))
@@ -111,6 +98,34 @@ impl DeformedField {
             -clearance.way_out(slope).min(self.deepest_m)
         };
         Some((distance, clearance))
+    }
+
+    /// As the distance of [`DeformedField::at`] outside, from the plane that touches the base body at another point of
+    /// the surface: tight where that is the nearest one.
+    pub(super) fn distance_from_foot(&self, p_S: &Point3<f64>, foot_S: &Point3<f64>) -> f64 {
+        let foot_0 = self.map.undeformed(foot_S);
+        let gauge = self.gauge.at([foot_0.x, foot_0.y, foot_0.z]);
+        let clearance = self.clearance(&self.map.base_point(p_S), &gauge.gradient(), fast_exp(-gauge.ln_rho));
+        clearance.safe_step(clearance.gradient_S.norm())
+    }
+
+    /// Ψ around a point for the plane `g · q_0 = level` of base points.
+    #[inline(always)]
+    fn clearance(&self, base: &BasePoint, g: &Vector3<f64>, level: f64) -> Clearance {
+        let p_0 = &base.p_0;
+        // Beyond the ends the taper's scale is another than 1 + k z, in which χ is quadratic.
+        let linear = if p_0.z.abs() <= self.c { base.scale.value } else { 1.0 + self.taper_per_m * p_0.z };
+        let above = g.z * p_0.z - level;
+        let chi_z = g.z * linear + above * self.taper_per_m;
+        let over = 1.0 / base.tapered.stretch;
+        let hollow = (g.y * self.bend_per_m).max(0.0) * over;
+        let closing = (-g.z * self.taper_per_m).max(0.0);
+        Clearance {
+            value: base.scale.value * (g.x * p_0.x + g.y * p_0.y) + linear * above,
+            gradient_S: base.tapered.inverse_transposed_times(&Vector3::new(g.x, g.y, chi_z)),
+            curvature: hollow + (chi_z.abs() * self.curvature + 2.0 * closing) * over * over,
+            radius_m: base.tapered.stretch / self.curvature,
+        }
     }
 
     /// Where the base point's ray leaves the surface, and the outward normal there (not of unit length), in S.
@@ -154,6 +169,9 @@ impl Clearance {
             let square = slope * slope + 2.0 * curvature * self.value;
             if square > 0.0 { -2.0 * self.value / (slope + square.sqrt()) } else { f64::INFINITY }
         };
+        if self.value >= 0.0 {
+            return 0.0; // on the surface, to rounding
+        }
         // ε for twice the first-order way: a longer one than that is not believed.
         let epsilon = -2.0 * self.value / (slope * self.radius_m);
         if epsilon > EPSILON_MAX {

@@ -28,7 +28,7 @@ impl Superquadric {
     /// A lower bound of the signed Euclidean distance of a point of F, metres; negative inside.
     ///
     /// It is the distance to the tangent plane where the ray from the centre leaves the surface,
-    /// `(ρ - 1)/|∇ρ|` with `ρ = f^(e1/2)`. The body is convex, so outside nothing is nearer than this plane, and inside
+    /// `(ρ - 1)/|∇ρ|` with `ρ = f^(e1/2)`, or that to the box of the semi-axes, if larger. The body is convex, so outside nothing is nearer than this plane, and inside
     /// the plane is at least as deep as the surface: the value never exceeds the true signed distance, has its sign,
     /// and equals it to first order at the surface. So a fingertip may safely advance by it. Seen from far away past
     /// an edge or a corner it is too small by up to the distance along the face. At the centre: minus the shortest
@@ -57,6 +57,8 @@ impl Superquadric {
             R_FS,
             center_F: self.X_FS.translation.vector,
             gauge: AxesGauge::new([self.a, self.b, self.c], [self.e1, self.e2]),
+            dual: self.support_gauge(),
+            half: self.semi_axes(),
             shortest_m: self.semi_axes().min(),
             shortest_axis_F: R_FS.column(self.semi_axes().imin()).into_owned(),
             centre_squared: self.centre_m() * self.centre_m(),
@@ -76,6 +78,10 @@ pub struct DistanceField {
     R_FS: Matrix3<f64>,
     center_F: Vector3<f64>,
     gauge: AxesGauge,
+    /// The plain body's support function: see [`Superquadric::support`].
+    dual: AxesGauge,
+    /// Semi-axes: half extents of the box around the plain body, metres.
+    half: Vector3<f64>,
     shortest_m: f64,
     shortest_axis_F: Vector3<f64>,
     centre_squared: f64,
@@ -98,13 +104,35 @@ impl DistanceField {
         }
     }
 
+    /// A lower bound of the signed distance of a point of F, metres, tight where the body is near.
+    ///
+    /// As [`DistanceField::signed_distance`], but outside with the plane that the line from the nearest surface point
+    /// stands on, instead of where the ray from the centre leaves the surface: beside an edge or beyond an end these
+    /// differ by centimetres. About forty times slower, for the few points that matter.
+    pub fn near_distance(&self, p_F: &Point3<f64>) -> f64 {
+        let distance = self.signed_distance(p_F);
+        if distance <= 0.0 {
+            return distance;
+        }
+        let foot_F = self.foot(p_F).p_F;
+        let in_axes = |p: &Point3<f64>| self.R_FS.tr_mul(&(p.coords - self.center_F));
+        if let Some(field) = &self.deformed {
+            let (p_S, foot_S) = (Point3::from(in_axes(p_F)), Point3::from(in_axes(&foot_F)));
+            return distance.max(field.distance_from_foot(&p_S, &foot_S));
+        }
+        let Some(n_F) = (p_F - foot_F).try_normalize(1e-12) else { return distance };
+        let n_S = self.R_FS.tr_mul(&n_F);
+        let support = fast_exp(self.dual.at([n_S.x, n_S.y, n_S.z]).ln_rho);
+        distance.max(n_S.dot(&in_axes(p_F)) - support)
+    }
+
     /// The distance, and how far the point may go along a unit direction of F without meeting the body, metres: to the
     /// plane that separates it from the body, infinitely far if it moves away from that.
     pub(super) fn distance_and_step(&self, p_F: &Point3<f64>, u_F: &Vector3<f64>) -> (f64, f64) {
         let p_S = self.R_FS.tr_mul(&(p_F.coords - self.center_F));
         let found = match &self.deformed {
             Some(field) => field.at(&Point3::from(p_S)),
-            None => self.plain(&p_S).map(|(distance, n_S)| (distance, Clearance::linear(distance, n_S))),
+            None => self.plane(&p_S).map(|(distance, n_S)| (distance, Clearance::linear(distance, n_S))),
         };
         found.map_or((-self.shortest_m, 0.0), |(distance, clearance)| {
             let fall = -clearance.gradient_S.dot(&self.R_FS.tr_mul(u_F));
@@ -141,6 +169,17 @@ impl DistanceField {
     /// As `in_axes`, without taper and bend.
     #[inline(always)]
     fn plain(&self, p_S: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
+        let (distance, n_S) = self.plane(p_S)?;
+        if distance <= 0.0 {
+            return Some((distance, n_S));
+        }
+        let beyond = (p_S.abs() - self.half).sup(&Vector3::zeros());
+        Some((distance.max(beyond.norm()), n_S))
+    }
+
+    /// Signed distance and normal of the tangent plane of the plain body, in S; `None` at the centre.
+    #[inline(always)]
+    fn plane(&self, p_S: &Vector3<f64>) -> Option<(f64, Vector3<f64>)> {
         if p_S.norm_squared() <= self.centre_squared {
             return None;
         }
@@ -225,6 +264,32 @@ mod tests {
         let quantile = |share: f64| tightness[(share * (tightness.len() - 1) as f64) as usize];
         // A loose bound costs advances: half of the points lose 2 % or less, one in twenty a third.
         assert!(quantile(0.0) > 0.1 && quantile(0.05) > 0.65 && quantile(0.5) > 0.95, "{}", quantile(0.5));
+    }
+
+    #[test]
+    fn near_distance_is_a_lower_bound_and_tight_beside_edges() {
+        let mut rng = Rng::new(14, 0);
+        let mut loose = Vec::new();
+        for s in shapes().into_iter().chain(deformed_shapes()) {
+            let surface = s.samples_spaced(0.004);
+            let field = s.distance_field();
+            for _ in 0..40 {
+                let near = &surface[rng.index(surface.len())];
+                let p_F = near.p_F + (near.n_F + rng.direction()) * rng.uniform(0.0, 0.012);
+                let nearest = surface.iter().map(|q| (q.p_F - p_F).norm()).min_by(f64::total_cmp).unwrap();
+                let bound = field.near_distance(&p_F);
+                if bound > 0.0 {
+                    assert!(bound <= nearest + 1e-9, "{bound} {nearest} at {p_F:?} of {s:?}");
+                    assert!(bound >= field.signed_distance(&p_F));
+                    let least = (nearest * nearest - 0.004 * 0.004).max(0.0).sqrt();
+                    loose.push(least - bound);
+                }
+            }
+        }
+        loose.sort_by(f64::total_cmp);
+        let quantile = |share: f64| loose[(share * (loose.len() - 1) as f64) as usize];
+        // In a hollow with two feet it stays loose.
+        assert!(quantile(0.95) < 2e-4 && quantile(0.99) < 2e-3, "{} {}", quantile(0.95), quantile(0.99));
     }
 
     #[test]

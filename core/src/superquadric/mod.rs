@@ -18,6 +18,7 @@ mod gauge;
 mod implicit;
 mod kernels;
 mod mesh;
+mod pieces;
 mod ray;
 mod sampling;
 mod shape;

@@ -28,8 +28,12 @@ impl Superquadric {
         if self.is_deformed() {
             return self.searched_support(&d_S) + SEARCH_MARGIN * size * (self.a + self.b + self.c);
         }
-        let dual = AxesGauge::new([1.0 / self.a, 1.0 / self.b, 1.0 / self.c], [2.0 - self.e1, 2.0 - self.e2]);
-        fast_exp(dual.at([d_S.x, d_S.y, d_S.z]).ln_rho)
+        fast_exp(self.support_gauge().at([d_S.x, d_S.y, d_S.z]).ln_rho)
+    }
+
+    /// The gauge that is the base body's support function.
+    pub(super) fn support_gauge(&self) -> AxesGauge {
+        AxesGauge::new([1.0 / self.a, 1.0 / self.b, 1.0 / self.c], [2.0 - self.e1, 2.0 - self.e2])
     }
 
     /// The largest support of a section, over all heights z of the base.

@@ -34,8 +34,8 @@ pub struct Workcell {
     pub q_start: Vec<f64>,
     /// Obstacles, the object itself left out.
     pub world: World,
-    /// Corners of the object in its frame O, metres.
-    pub target_O: Vec<Point3<f64>>,
+    /// Corners of the object's convex pieces in its frame O, metres.
+    pub target_O: Vec<Vec<Point3<f64>>>,
     /// Pose of O in the world where the object stands now.
     pub X_WO_start: Isometry3<f64>,
     /// Pose of O where it shall be put, if anywhere.
@@ -105,7 +105,9 @@ impl Workcell {
 
     fn beside_object(&self, X_WO: &Isometry3<f64>, fingers: &[f64], depth_m: f64) -> Result<Situation, CollisionError> {
         let mut world = self.world.clone();
-        world.add_hull(TARGET, &self.target_O, X_WO)?;
+        for piece_O in &self.target_O {
+            world.add_hull(TARGET, piece_O, X_WO)?;
+        }
         let links = &self.arm().hand.links;
         let contact = |&link: &usize| MayTouch { a: Party::Link(link), b: Party::Obstacle(TARGET.into()), depth_m };
         let may_touch = links.iter().map(contact).collect();
@@ -118,7 +120,7 @@ impl Workcell {
     /// As [`Workcell::approaching`].
     pub fn carrying(&self, grasp: &Grasp, resting: &[String]) -> Result<Situation, CollisionError> {
         let X_HO = grasp.X_OH.inverse();
-        let carried = CarriedObject::from_points(TARGET, &self.target_O, &X_HO, &self.robot, self.arm_index)?;
+        let carried = CarriedObject::from_pieces(TARGET, &self.target_O, &X_HO, &self.robot, self.arm_index)?;
         Ok(Situation {
             world: self.world.clone(),
             carried: Some(carried),
@@ -170,7 +172,13 @@ impl Workcell {
 
     /// Names of everything that the object rests on, or nearly so, when it stands at `X_WO`.
     pub fn supports(&self, X_WO: &Isometry3<f64>) -> Vec<String> {
-        let near = self.world.near_hull(&self.target_O, X_WO, REST_DEPTH_M).unwrap_or_default();
-        near.into_iter().map(|(name, _)| name).collect()
+        let near_piece = |piece_O| self.world.near_hull(piece_O, X_WO, REST_DEPTH_M).unwrap_or_default();
+        let mut names: Vec<String> = Vec::new();
+        for (name, _) in self.target_O.iter().flat_map(|piece_O| near_piece(piece_O)) {
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names
     }
 }
