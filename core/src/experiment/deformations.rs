@@ -27,7 +27,7 @@ pub(super) fn run(settings: &ExperimentSettings, watch: Watch<'_>) -> Result<Out
             // A taper within ±0.95 and a bend below the limit are always a shape; should one not be, it stays plain.
             let shape = deformed(*plain, is_tapered, is_bent, rng).unwrap_or(*plain);
             let cloud = even_cloud(&shape, THESIS_POINTS);
-            let truth = Truth::of_shape(&shape, &[], &cloud);
+            let truth = Truth { is_deformed: true, ..Truth::of_shape(&shape, &[], &cloud) };
             for (fitted, deform) in [("plain", DeformMode::None), ("auto", DeformMode::Auto)] {
                 let question = Question {
                     experiment: Experiment::Deformations,

@@ -19,6 +19,8 @@ pub(super) struct Truth<'a> {
     pub(super) shape: Option<&'a Superquadric>,
     /// Exponents of all parametrisations of the shape; empty when they are not compared.
     pub(super) names: &'a [[f64; 2]],
+    /// Whether its deformations are to be recognised.
+    pub(super) is_deformed: bool,
     /// Its volume, cubic metres; `None` when it is not known.
     pub(super) volume_m3: Option<f64>,
     /// Its extents along the axes of its own frame O with that frame's pose in F, metres.
@@ -30,7 +32,15 @@ pub(super) struct Truth<'a> {
 impl<'a> Truth<'a> {
     /// A superquadric with the exponents of all its parametrisations, and its surface.
     pub(super) fn of_shape(shape: &'a Superquadric, names: &'a [[f64; 2]], surface: &'a [Point3<f64>]) -> Self {
-        Self { object: None, shape: Some(shape), names, volume_m3: Some(shape.volume()), extents: None, surface }
+        Self {
+            object: None,
+            shape: Some(shape),
+            names,
+            is_deformed: false,
+            volume_m3: Some(shape.volume()),
+            extents: None,
+            surface,
+        }
     }
 
     /// An object, and the points of its surface that errors are evaluated on.
@@ -39,6 +49,7 @@ impl<'a> Truth<'a> {
             object: Some(&view.name),
             shape: None,
             names: &[],
+            is_deformed: false,
             volume_m3: view.volume_m3.filter(|_| !view.is_hollow),
             extents: Some((view.extents_m, view.X_FO)),
             surface,
@@ -134,7 +145,7 @@ impl Answer {
     fn new(fitted: &Fit, truth: &Truth<'_>, time_s: f64) -> Self {
         let found = fitted.superquadric;
         let volume_m3: f64 = fitted.bodies().map(Superquadric::volume).sum();
-        let is_recognised = truth.shape.map(|shape| {
+        let is_recognised = truth.shape.filter(|_| truth.is_deformed).map(|shape| {
             (shape.taper != 0.0) == (found.taper != 0.0) && (shape.bend_per_m != 0.0) == (found.bend_per_m != 0.0)
         });
         Self {
