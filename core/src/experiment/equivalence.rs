@@ -12,6 +12,7 @@
 
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
+use super::protocol::ln_gauge;
 use crate::math;
 use crate::superquadric::{EXPONENT_MAX, EXPONENT_MIN, Superquadric};
 
@@ -74,7 +75,7 @@ fn frames() -> Vec<UnitQuaternion<f64>> {
 
 /// Distance from the centre to the surface along a unit direction of S, metres.
 fn radius(shape: &Superquadric, direction_S: &Vector3<f64>) -> f64 {
-    math::exp(-shape.gauge(&(*direction_S).into()).ln_rho)
+    math::exp(-ln_gauge(shape, &(*direction_S).into()))
 }
 
 /// Whether two surfaces about one centre differ by at most the factor that a change of 0.1 of an exponent makes.
@@ -83,7 +84,7 @@ fn is_same(shape: &Superquadric, other: &Superquadric) -> bool {
     let most = 0.5 * EXPONENT_TOLERANCE * std::f64::consts::LN_2 + 1e-6;
     directions(shape).all(|p_S| {
         let p_F = shape.X_FS * nalgebra::Point3::from(p_S);
-        (shape.gauge(&p_S.into()).ln_rho - other.gauge(&other.to_axes(&p_F)).ln_rho).abs() <= most
+        (ln_gauge(shape, &p_S.into()) - ln_gauge(other, &other.to_axes(&p_F))).abs() <= most
     })
 }
 
