@@ -109,11 +109,11 @@ fn shapes_of(file: &Path) -> Result<Vec<endcomfort_core::superquadric::Superquad
 
 fn bundled_objects() -> Result<Vec<HouseholdObject>, Failure> {
     let library = assets::library();
-    assets::object_names()
-        .into_iter()
-        .map(|name| library.object(name).map(|object| object.as_ref().clone()))
-        .collect::<Result<_, _>>()
-        .map_err(|error| Failure::new(error.to_string()))
+    let object = |name| match library.object(name) {
+        Ok(object) => Ok(object.as_ref().clone()),
+        Err(error) => Err(Failure::new(error.to_string())),
+    };
+    assets::object_names().into_iter().map(object).collect()
 }
 
 /// Runs the work and shows on standard error how far it is: in place on a terminal, a line per tenth elsewhere.
@@ -188,10 +188,24 @@ fn print_outcome(experiment: Experiment, outcome: &Outcome, settings: &Experimen
     let threads = if settings.is_serial { "one fit after the other" } else { "fits side by side, so without times" };
     println!("{source}{views}, seed {}, {threads}, {elapsed_s:.1} s\n", settings.seed);
     print!("{}", table(&outcome.rows));
-    println!(
-        "\nE_r and ΔV: mean / median / 95 % of the trials. ok: E_r < 1 mm. e ± 0.1: both exponents, up to equivalent\n\
-         parametrisations. Lines marked thesis are its own numbers for the same table, not measured here."
-    );
+    let has = |of: fn(&Row) -> bool| outcome.rows.iter().any(of);
+    let mut notes = vec![String::from("E_r and ΔV: mean / median / 95 % of the fits.")];
+    if has(|row| row.extent_error_m.is_none()) {
+        notes.push(String::from("ok: E_r < 1 mm."));
+    }
+    if has(|row| row.exponents_within.is_some()) {
+        notes.push(String::from("e ± 0.1: share of fits with both exponents, up to equivalent parametrisations."));
+    }
+    if has(|row| row.extent_error_m.is_some()) {
+        notes.push(String::from("size: errors of the extents along the object's axes, and the worst of them."));
+    }
+    if has(|row| row.recognised.is_some()) {
+        notes.push(String::from("known: fits with the deformations that the shape has."));
+    }
+    if has(|row| row.thesis.is_some()) {
+        notes.push(String::from("thesis: its own numbers for the same table, not measured here."));
+    }
+    println!("\n{}", notes.join("\n"));
 }
 
 /// The rows for a person, each followed by the thesis's own where it has one.
