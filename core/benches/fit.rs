@@ -14,7 +14,7 @@ use endcomfort_core::experiment::{
     Experiment, ExperimentSettings, NOISE_M, ObjectView, RECOVERED_M, THESIS_POINTS, Trial, Visibility, draw_shape,
     even_cloud, household_views, peers_clouds, peers_input, run_experiment,
 };
-use endcomfort_core::fit::{DeformMode, Fit, FitInput, FitSettings, ObjectiveKind, fit, fit_errors};
+use endcomfort_core::fit::{DeformMode, Fit, FitInput, FitSettings, ObjectiveKind, ObjectivePass, fit, fit_errors};
 use endcomfort_core::object::HouseholdObject;
 use endcomfort_core::parallel;
 use endcomfort_core::rng::Rng;
@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         bench_settings(&mut report)?;
         bench_household(&mut report)?;
         bench_composite(&mut report)?;
-        bench_errors(&mut report)
+        bench_passes(&mut report)
     })
     .map_err(|error| error.to_string())?;
     report.print();
@@ -207,17 +207,27 @@ fn bench_composite(report: &mut Report) -> Outcome {
     Ok(())
 }
 
-/// One evaluation of both errors.
-fn bench_errors(report: &mut Report) -> Outcome {
+/// One pass over a cloud: each objective with its derivatives, plain and deformed, and the errors of a fit.
+fn bench_passes(report: &mut Report) -> Outcome {
     let mut rng = Rng::new(SEED, 0);
-    let shape = draw_shape(&mut rng)?;
-    let cloud = even_cloud(&shape, THESIS_POINTS);
-    let pass = || {
-        let begin_ms = now_ms();
-        std::hint::black_box(fit_errors(std::hint::black_box(&shape), &cloud));
-        (now_ms() - begin_ms) * 1e6 / cloud.len() as f64
+    let plain = draw_shape(&mut rng)?;
+    let cloud = even_cloud(&plain, THESIS_POINTS);
+    let deformed = plain.deformed(0.3, 0.0)?;
+    let mut bench = |what: String, pass: &dyn Fn() -> f64| {
+        let time_ns = |_| {
+            let begin_ms = now_ms();
+            std::hint::black_box(pass());
+            (now_ms() - begin_ms) * 1e6 / cloud.len() as f64
+        };
+        let times_ns: Vec<f64> = (0..200).map(time_ns).collect();
+        report.add("10 000 points, one pass", what, "ns per point", times_ns, "");
     };
-    let times_ns: Vec<f64> = (0..200).map(|_| pass()).collect();
-    report.add("10 000 points", "E_r and E_g, per point", "ns", times_ns, "");
+    for kind in ObjectiveKind::ALL {
+        let pass = ObjectivePass::new(&cloud, kind);
+        for (name, shape) in [("plain", &plain), ("tapered", &deformed)] {
+            bench(format!("{}, {name}", kind.name()), &|| pass.mean_square(std::hint::black_box(shape)));
+        }
+    }
+    bench(String::from("E_r and both E_g"), &|| fit_errors(std::hint::black_box(&plain), &cloud).radial_m);
     Ok(())
 }

@@ -233,10 +233,10 @@ fn table(rows: &[Row]) -> Table {
     );
     let is_one_objective = rows.iter().all(|row| Some(row.objective) == rows.first().map(|first| first.objective));
     for row in rows {
-        let three = |summary: Option<Summary>, scale: f64, digits: usize| {
+        let three = |summary: Option<Summary>, scale: f64| {
             let all = |s: Summary| if row.success > 1 { vec![s.mean, s.median, s.p95] } else { vec![s.mean] };
             let text = |s: Summary| {
-                let numbers: Vec<String> = all(s).iter().map(|x| format!("{:.digits$}", x * scale)).collect();
+                let numbers: Vec<String> = all(s).iter().map(|x| digits(x * scale)).collect();
                 numbers.join(" / ")
             };
             summary.map(text).unwrap_or_default()
@@ -251,16 +251,16 @@ fn table(rows: &[Row]) -> Table {
             row.object.clone().unwrap_or_default(),
             if row.success == row.trials { row.trials.to_string() } else { format!("{}/{}", row.success, row.trials) },
             if has_views { String::new() } else { row.recovered.to_string() },
-            three(row.radial_m, 1e3, 2),
+            three(row.radial_m, 1e3),
             mean(row.goodness_of_fit_abs),
             mean(row.goodness_of_fit),
-            three(row.volume_error_percent, 1.0, 2),
+            three(row.volume_error_percent, 1.0),
             row.exponents_within_percent().map(|share| format!("{share:.0}")).unwrap_or_default(),
-            three(row.extent_error_m, 1e3, 1),
+            three(row.extent_error_m, 1e3),
             row.extent_error_max_m.map(|worst| format!("{:.1}", worst * 1e3)).unwrap_or_default(),
             row.recognised.map(|count| count.to_string()).unwrap_or_default(),
             if has_views { row.mirrored.to_string() } else { String::new() },
-            three(row.time_s, 1e3, 1),
+            three(row.time_s, 1e3),
         ]);
         if let Some(thesis) = &row.thesis {
             let median = thesis.radial_median_m.map_or(String::from("-"), |m| format!("{:.2}", m * 1e3));
@@ -277,6 +277,17 @@ fn table(rows: &[Row]) -> Table {
         }
     }
     table
+}
+
+/// Three significant digits of a number of everyday size.
+fn digits(x: f64) -> String {
+    match x.abs() {
+        size if size >= 1e5 => format!("{x:.1e}"),
+        size if size >= 100.0 => format!("{x:.0}"),
+        size if size >= 10.0 => format!("{x:.1}"),
+        size if size >= 1.0 => format!("{x:.2}"),
+        _ => format!("{x:.3}"),
+    }
 }
 
 /// Three or four digits of a number that may be tiny or huge.

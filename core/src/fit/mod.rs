@@ -14,6 +14,7 @@ mod mirror;
 mod models;
 mod normal_equations;
 mod objective;
+mod pass;
 mod prepare;
 mod robust;
 mod run;
@@ -29,6 +30,7 @@ mod view;
 mod weighted;
 
 pub use metrics::{FitErrors, fit_errors};
+pub use pass::ObjectivePass;
 pub use run::fit;
 pub use types::{
     DeformMode, Fit, FitInput, FitRefusal, FitSettings, MirrorMode, ModelReport, ObjectiveKind, Part, RejectedPoint,
