@@ -2,7 +2,8 @@
 //!
 //! Rooms in the order in which the data flows: [`cloud`] → [`segment`] → [`fit`] → [`grasp`] → [`plan`] → [`task`],
 //! with [`superquadric`], [`object`], [`robot`] and [`collision`] beside them. [`scene`] is the document that people
-//! save and share, [`job`] the request that runs the whole way and the updates that come back.
+//! save and share, [`job`] the request that runs the whole way and the updates that come back. [`experiment`] runs the
+//! thesis's trials and gives their tables as data.
 //!
 //! What is absent, by design: this crate opens no file, reads no clock (time arrives through [`watch::Watch`]), starts
 //! no thread of its own (loops that may run in parallel go through [`parallel`]), and knows neither egui, wgpu nor
@@ -13,6 +14,7 @@
 
 pub mod cloud;
 pub mod collision;
+pub mod experiment;
 pub mod fit;
 pub mod grasp;
 pub mod job;

@@ -235,3 +235,106 @@ fn render_draws_a_demo_at_a_moment_with_the_robot_in_view() {
     let clear = draw("clear.png", &["--transparent"]);
     assert!(clear.pixels().any(|p| p.0[3] == 0) && clear.pixels().any(|p| p.0[3] == 255));
 }
+
+#[test]
+fn fit_takes_every_objective_and_a_reference_and_tells_its_history() {
+    let folder = scratch("fitted");
+    json(&["segment", "mustard", "--json", "--out", &folder.to_string_lossy()]);
+    let cloud = folder.join("cluster_0.ply").to_string_lossy().into_owned();
+    for objective in ["radial", "solina", "ichim", "chevalier", "f5"] {
+        let fit = &json(&["fit", &cloud, "--json", "--objective", objective, "--reference", &cloud])[0];
+        assert_eq!(fit["objective"], objective);
+        has_keys(fit, &["runs", "models", "parts", "rejected", "mirrored", "volume_m3", "reference_goodness_of_fit"]);
+        assert_eq!(fit["reference_points"], fit["points"]);
+        let runs = fit["runs"].as_array().unwrap();
+        assert!(!runs.is_empty());
+        has_keys(&runs[0], &["name", "points", "rms", "iterations", "stop"]);
+        has_keys(&fit["superquadric"], &["taper", "bend_per_m"]);
+    }
+    let flags = ["--deform", "auto", "--hierarchical", "--parts", "2", "--keep-outliers", "--mirror", "off"];
+    let told = endcomfort(&[&["fit", cloud.as_str()], &flags[..]].concat());
+    let said = String::from_utf8_lossy(&told.stdout);
+    assert!(told.status.success() && said.contains("semi-axes") && said.contains("mirroring is off"), "{said}");
+    let refused = endcomfort(&["fit", &cloud, "--parts", "0"]);
+    assert_eq!(refused.status.code(), Some(1));
+    assert!(String::from_utf8_lossy(&refused.stderr).contains("--parts: found 0, wanted 1 or more"));
+    assert_eq!(endcomfort(&["fit", &cloud, "--objective", "best"]).status.code(), Some(2));
+}
+
+#[test]
+fn an_experiment_gives_the_same_rows_as_lines_as_a_table_and_as_files() {
+    let (rows_csv, fits_json) = (scratch("rows.csv"), scratch("fits.json"));
+    let (rows_file, fits_file) = (rows_csv.to_string_lossy().into_owned(), fits_json.to_string_lossy().into_owned());
+    let args = ["experiment", "visibility", "--trials", "3", "--seed", "5", "--json"];
+    let rows = json(&[&args[..], &["--out", &rows_file, "--fits", &fits_file]].concat());
+    let conditions: Vec<&str> = rows.iter().map(|row| row["condition"].as_str().unwrap()).collect();
+    assert_eq!(conditions, ["full", "full noisy", "partial", "partial noisy"]);
+    for row in &rows {
+        has_keys(row, &["experiment", "objective", "trials", "success", "recovered", "radial_mean_m", "radial_p95_m"]);
+        has_keys(row, &["goodness_of_fit_mean", "goodness_of_fit_abs_mean", "volume_error_median_percent"]);
+        has_keys(row, &["exponents_within_0_1_percent", "thesis_radial_mean_m"]);
+        assert!(row.get("time_mean_s").is_none(), "fits ran side by side: {row}");
+    }
+    let again = endcomfort(&args);
+    assert_eq!(lines(&again), rows, "same seed, same rows");
+
+    let table = std::fs::read_to_string(&rows_csv).unwrap();
+    let table: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    let column = table[0].iter().position(|name| *name == "radial_mean_m").unwrap();
+    for (line, row) in table[1..].iter().zip(&rows) {
+        let number: f64 = line[column].parse().unwrap();
+        assert!((number / row["radial_mean_m"].as_f64().unwrap() - 1.0).abs() < 1e-12);
+    }
+    let fits: Vec<Value> = serde_json::from_str(&std::fs::read_to_string(&fits_json).unwrap()).unwrap();
+    assert_eq!(fits.len(), 12);
+    has_keys(&fits[0], &["trial", "radial_m", "true_a_m", "found_a_m", "exponent_error", "iterations"]);
+
+    let timed = json(&["experiment", "peers", "--trials", "1", "--serial", "--json"]);
+    assert!(timed.iter().all(|row| row["time_median_s"].as_f64().unwrap() > 0.0));
+    let shown = endcomfort(&args[..6]);
+    let shown = String::from_utf8_lossy(&shown.stdout).into_owned();
+    assert!(shown.contains("thesis  partial noisy") && shown.contains("without times"), "{shown}");
+}
+
+#[test]
+fn trials_come_from_a_file_and_a_bad_line_is_named() {
+    let file = scratch("trials.txt");
+    let path = file.to_string_lossy().into_owned();
+    std::fs::write(&file, "# a b c e1 e2 tx ty tz gamma beta alpha\n0.1 0.1 0.1 1 1 0 0 0.8 0 0 0\n").unwrap();
+    let rows = json(&["experiment", "downsampling", "--trials-file", &path, "--json"]);
+    assert_eq!(rows.len(), 6);
+    assert!(rows.iter().all(|row| row["trials"] == 1 && row["success"] == 1));
+    std::fs::write(&file, "0.1 0.1 0.1 1 1 0 0 0.8 0 0 0\n0.1 0.1 0.1 1 9 0 0 0.8 0 0 0\n").unwrap();
+    for (args, wanted) in [
+        (vec!["experiment", "visibility", "--trials-file", &path], "trials.txt: line 2: exponent e2 is 9"),
+        (vec!["experiment", "visibility", "--trials-file", "none.txt"], "none.txt: "),
+        (vec!["experiment", "objects", "--trials-file", &path], "--trials-file: experiment objects has no use"),
+        (vec!["experiment", "visibility", "--views", "."], "--views: experiment visibility has no use"),
+        (vec!["experiment", "objects", "--views", "tests"], "tests"),
+        (vec!["experiment", "visibility", "--out", "rows.txt"], "rows.txt: wanted a file that ends in .csv or .json"),
+        (vec!["experiment", "visibility", "--trials", "0"], "found 0 trials, wanted at least 1"),
+    ] {
+        let output = endcomfort(&args);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{args:?}: {said}");
+        assert!(said.contains(wanted), "{args:?}: {said} should say {wanted}");
+    }
+    assert_eq!(endcomfort(&["experiment", "alchemy"]).status.code(), Some(2));
+}
+
+#[test]
+fn objects_are_compared_with_and_without_mirroring() {
+    let rows = json(&["experiment", "objects", "--trials", "1", "--json"]);
+    assert_eq!(rows.len(), 4 + 2 * 13);
+    let of = |condition: &str| rows.iter().find(|row| row["object"] == "all" && row["condition"] == condition).unwrap();
+    assert!(of("mirrored")["mirrored"].as_u64().unwrap() > 6, "most objects have a plane of symmetry");
+    assert_eq!(of("not mirrored")["mirrored"], 0);
+    // One view of everyday things: half of the extents are right to a few millimetres.
+    assert!(of("mirrored")["extent_error_median_m"].as_f64().unwrap() < 0.006);
+    if let Some(view) = data("ycb/views/056_tennis_ball_view.json") {
+        let folder = Path::new(&view).parent().unwrap().to_string_lossy().into_owned();
+        let rows = json(&["experiment", "objects", "--views", &folder, "--json"]);
+        let ball = rows.iter().find(|row| row["object"] == "056_tennis_ball").unwrap();
+        assert!(ball["extent_error_max_m"].as_f64().unwrap() < 0.004, "{ball}");
+    }
+}

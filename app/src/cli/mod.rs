@@ -1,12 +1,15 @@
 //! The command line: one file per subcommand, one JSON object per line on request.
 
 mod check;
+mod experiment;
 mod fit;
 mod grasps;
 mod input;
 mod plan;
 mod render;
 mod segment;
+mod table;
+mod views;
 mod window;
 
 use std::fmt;
@@ -48,6 +51,8 @@ enum Command {
     Plan(plan::Args),
     /// Draws one picture without a window.
     Render(render::Args),
+    /// Measures the thesis's tables on fitting again.
+    Experiment(experiment::Args),
     /// Loads files and says what they hold and what is wrong with them.
     Check(check::Args),
 }
@@ -110,6 +115,7 @@ pub fn main() -> ExitCode {
         Some(Command::Grasps(args)) => grasps::run(&args, &common),
         Some(Command::Plan(args)) => plan::run(&args, &common),
         Some(Command::Render(args)) => render::run(&args, &common),
+        Some(Command::Experiment(args)) => experiment::run(&args, &common),
         Some(Command::Check(args)) => check::run(&args, &common),
     };
     match outcome {

@@ -15,6 +15,7 @@ mod mirror;
 mod models;
 mod normal_equations;
 mod objective;
+mod pass;
 mod prepare;
 #[cfg(test)]
 mod properties;
@@ -32,6 +33,7 @@ mod view;
 mod weighted;
 
 pub use metrics::{FitErrors, fit_errors, fit_errors_of_parts};
+pub use pass::ObjectivePass;
 pub use run::fit;
 pub use types::{
     DeformMode, Fit, FitInput, FitRefusal, FitSettings, MirrorMode, ModelReport, ObjectiveKind, Part, RejectedPoint,

@@ -1,0 +1,190 @@
+//! Planning on the workloads shared with the measured peers.
+//!
+//! `cargo bench -p endcomfort-core --bench plan [-- FOLDER]`, FOLDER holding `srs7.urdf`, `plan_work.json` and
+//! `shelf_work.json`. Timed are the search, shortcutting and timing, apart; making the checker and walking the result
+//! (0.01 rad, by the exhaustive judge) are not. A path that the walk finds blocked fails the bench.
+#![allow(non_snake_case, reason = "frame letters")]
+
+#[path = "common/report.rs"]
+mod report;
+#[path = "common/workload.rs"]
+mod workload;
+
+use std::error::Error;
+use std::path::Path;
+
+use endcomfort_core::collision::{Checker, CollisionModel, Exhaustive, Scratch, World};
+use endcomfort_core::plan::{
+    ArmSpace, BirrtSettings, MotionLimits, PlanOutcome, ShortcutSettings, TimingSettings, plan_path, shorten,
+    time_path, walk, walk_path,
+};
+use endcomfort_core::rng::Rng;
+use endcomfort_core::robot::{Arm, CollisionBody, Geometry, Hand, Robot, read_urdf};
+use endcomfort_core::watch::Watch;
+use nalgebra::{Isometry3, Vector3};
+use report::{Report, now_ms};
+use serde::Deserialize;
+
+const SEEDS: u64 = 10;
+const STATES: usize = 20_000;
+
+#[derive(Deserialize)]
+struct Work {
+    tuck: Vec<f64>,
+    goals: Vec<Vec<f64>>,
+    boxes_centre_half: Vec<[f64; 6]>,
+    cylinders_centre_r_halfheight: Vec<[f64; 5]>,
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let Some(folder) = workload::folder("arm", "plan_work.json") else { return Ok(()) };
+    let robot = robot(&folder)?;
+    let model = CollisionModel::new(&robot)?;
+    let mut report = Report::new("plan", format!("0..{SEEDS}"));
+    let mut blocked = 0;
+    for set in ["plan", "shelf"] {
+        let work: Work = serde_json::from_str(&std::fs::read_to_string(folder.join(format!("{set}_work.json")))?)?;
+        let world = world(&work)?;
+        bench_states(set, &model, &world, &mut report)?;
+        let reach: Vec<_> = work.goals.iter().map(|goal| (&work.tuck, goal)).collect();
+        let transport: Vec<_> = work.goals.windows(2).map(|pair| (&pair[0], &pair[1])).collect();
+        for (kind, pairs) in [("reach", reach), ("transport", transport)] {
+            blocked += bench_plans(&format!("{set}, {kind}"), &robot, &model, &world, &pairs, &mut report)?;
+        }
+    }
+    report.print();
+    if blocked > 0 { Err(format!("{blocked} paths are blocked when walked again").into()) } else { Ok(()) }
+}
+
+/// One state check, a distance, and the making of a checker; each state is timed in a batch, as planners ask.
+fn bench_states(set: &str, model: &CollisionModel, world: &World, report: &mut Report) -> Result<(), Box<dyn Error>> {
+    let mut make_us = Vec::new();
+    for _ in 0..100 {
+        let begin_ms = now_ms();
+        std::hint::black_box(Checker::for_arm(model, world, None, &[], 0, &[0.0; 7])?);
+        make_us.push((now_ms() - begin_ms) * 1e3);
+    }
+    let checker = Checker::for_arm(model, world, None, &[], 0, &[0.0; 7])?;
+    let mut rng = Rng::new(1, 0);
+    let states: Vec<Vec<f64>> = (0..STATES).map(|_| (0..7).map(|_| rng.uniform(-2.1, 2.1)).collect()).collect();
+    let mut scratch = Scratch::default();
+    let free: Vec<&Vec<f64>> = states.iter().filter(|q| checker.is_free(&mut scratch, q)).collect();
+    let mut batches = |states: &[&Vec<f64>], check: &mut dyn FnMut(&mut Scratch, &[f64])| -> Vec<f64> {
+        states
+            .chunks(100)
+            .map(|batch| {
+                let begin_ms = now_ms();
+                batch.iter().for_each(|q| check(&mut scratch, q));
+                (now_ms() - begin_ms) * 1e3 / batch.len() as f64
+            })
+            .collect()
+    };
+    let all: Vec<&Vec<f64>> = states.iter().collect();
+    let mut is_free = |scratch: &mut Scratch, q: &[f64]| {
+        std::hint::black_box(checker.is_free(scratch, q));
+    };
+    let (any_us, free_us) = (batches(&all, &mut is_free), batches(&free, &mut is_free));
+    let mut nearest_m = f64::INFINITY;
+    let distance_us =
+        batches(&free, &mut |scratch, q| nearest_m = nearest_m.min(checker.distance(scratch, q).distance_m));
+    let share = format!("{:.0} % of {STATES} states free", 100.0 * free.len() as f64 / STATES as f64);
+    report.add(set, "check any state", "µs", any_us, share);
+    report.add(set, "check a free state", "µs", free_us, "");
+    report.add(set, "distance of a free state", "µs", distance_us, format!("least {:.1} mm", nearest_m * 1e3));
+    report.add(set, "make the checker", "µs", make_us, "");
+    if nearest_m < 0.0 { Err("a free state is in collision".into()) } else { Ok(()) }
+}
+
+/// Plans every pair with every seed; gives how many paths are blocked when walked again.
+fn bench_plans(
+    problem: &str,
+    robot: &Robot,
+    model: &CollisionModel,
+    world: &World,
+    pairs: &[(&Vec<f64>, &Vec<f64>)],
+    report: &mut Report,
+) -> Result<u32, Box<dyn Error>> {
+    let space = ArmSpace::new(robot, 0, Checker::for_arm(model, world, None, &[], 0, &[0.0; 7])?)?;
+    let judge = Exhaustive::new(model, world, None, &[])?;
+    let limits = MotionLimits::of(&space);
+    let dofs: Vec<usize> = (0..7).collect();
+    let (mut plan_ms, mut short_ms, mut time_ms) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut found_rad, mut short_rad, mut duration_s) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut straight, mut blocked) = (0, 0);
+    for seed in 0..SEEDS {
+        for (start, goal) in pairs {
+            let goals = [(*goal).clone()];
+            let begin_ms = now_ms();
+            let outcome = plan_path(&space, start, &goals, &BirrtSettings::default(), seed, &Watch::idle());
+            plan_ms.push(now_ms() - begin_ms);
+            let PlanOutcome::Found(found) = outcome else { continue };
+            straight += u32::from(found.nodes == 0);
+            let begin_ms = now_ms();
+            let short = shorten(&space, &found.path, &ShortcutSettings::default(), seed, &Watch::idle());
+            short_ms.push(now_ms() - begin_ms);
+            let begin_ms = now_ms();
+            let trajectory = time_path(&space, &short, &limits, &TimingSettings::default())?;
+            time_ms.push(now_ms() - begin_ms);
+            found_rad.push(found.path.length_rad());
+            short_rad.push(short.length_rad());
+            duration_s.push(trajectory.duration_s());
+            for path in [&found.path, &short] {
+                blocked += u32::from(walk_path(&judge, &dofs, &[0.0; 7], path, 0.01).is_some());
+            }
+            if seed == 0 {
+                blocked += u32::from(walk(&judge, &dofs, &[0.0; 7], &trajectory, 4).is_some());
+            }
+        }
+    }
+    let note = format!("{} of {} found, {straight} straight, {blocked} blocked", found_rad.len(), plan_ms.len());
+    report.add(problem, "search", "ms", plan_ms, note);
+    report.add(problem, "shortcut", "ms", short_ms, "");
+    report.add(problem, "timing", "ms", time_ms, "");
+    report.add(problem, "path as found", "rad", found_rad, "");
+    report.add(problem, "path after shortcut", "rad", short_rad, "");
+    report.add(problem, "duration", "s", duration_s, "");
+    Ok(blocked)
+}
+
+/// The arm of the workload, each of its segments (a cylinder and two balls in the file) as the one capsule that it is.
+fn robot(folder: &Path) -> Result<Robot, Box<dyn Error>> {
+    let mut robot = read_urdf(&std::fs::read_to_string(folder.join("srs7.urdf"))?, &|_| None)?.value;
+    for link in &mut robot.links {
+        link.collisions = link
+            .collisions
+            .iter()
+            .filter_map(|body| match body.geometry {
+                Geometry::Cylinder { radius_m, length_m } => {
+                    Some(CollisionBody { geometry: Geometry::Capsule { radius_m, length_m }, ..body.clone() })
+                }
+                _ => None,
+            })
+            .collect();
+    }
+    let link = |name: &str| robot.link_index(name).ok_or_else(|| format!("srs7.urdf: no link {name:?}"));
+    let [base, upper, fore, last] = [link("base")?, link("l3")?, link("l5")?, link("l7")?];
+    robot.allowed_collisions = vec![(base, upper), (upper, fore), (fore, last)];
+    let hand = Hand {
+        name: "hand".to_owned(),
+        links: vec![last],
+        palm_link: last,
+        tcp_link: last,
+        fingers: Vec::new(),
+        open: Vec::new(),
+        closed: Vec::new(),
+    };
+    robot.arms = vec![Arm { name: "arm".to_owned(), dofs: (0..7).collect(), base_link: base, flange_link: last, hand }];
+    Ok(robot)
+}
+
+fn world(work: &Work) -> Result<World, Box<dyn Error>> {
+    let mut world = World::new();
+    for (index, [x, y, z, hx, hy, hz]) in work.boxes_centre_half.iter().enumerate() {
+        let size = 2.0 * Vector3::new(*hx, *hy, *hz);
+        world.add_box(&format!("box_{index}"), size, &Isometry3::translation(*x, *y, *z))?;
+    }
+    for (index, [x, y, z, radius, half]) in work.cylinders_centre_r_halfheight.iter().enumerate() {
+        world.add_cylinder(&format!("can_{index}"), *radius, 2.0 * half, &Isometry3::translation(*x, *y, *z))?;
+    }
+    Ok(world)
+}
