@@ -156,7 +156,7 @@ fn the_plan_for_a_seed_is_the_same_text_in_the_browser_and_natively() -> Result<
     for demo in assets::DEMOS {
         let scene = assets::demo(demo).context("no such demo")?;
         let robot = assets::library().robot(&scene.robot)?;
-        let request = Request { revision: 1, scene, cloud: None, cluster: None, grasp: None, last: Stage::Plan };
+        let request = Request::new(scene);
         let outputs = run_until(&request, Stage::Plan).map_err(|refusal| anyhow!("{refusal:?}"))?;
         let plan =
             outputs.into_iter().find_map(|output| if let Output::Plan(plan) = output { Some(plan) } else { None });

@@ -16,7 +16,7 @@ use nalgebra::Isometry3;
 const DENSITY: usize = 4;
 
 fn request(scene: Scene) -> Request {
-    Request { revision: 1, scene, cloud: None, cluster: None, grasp: None, last: Stage::Plan }
+    Request { revision: 1, ..Request::new(scene) }
 }
 
 fn run(pipeline: &mut Pipeline, request: &Request) -> (Vec<Output>, Option<Refusal>) {

@@ -3,15 +3,13 @@
 //! A picture is composed only when its [`ViewKey`] changed, and drawn only when it, the camera, the size or the theme
 //! changed; time runs here only while the camera travels.
 
-use egui::{
-    Align2, Color32, Mesh, PointerButton, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, vec2,
-};
+use egui::{Color32, PointerButton, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 use egui_wgpu::RenderState;
 use nalgebra::{Matrix3, Point2, Point3};
 
 use super::layout::Layout;
-use super::theme::{SECONDARY, SMALL, Tokens, font};
-use super::{Command, NamedView, Pick, Picture, Studio, Tone, ViewKey, ViewerState, format};
+use super::theme::{SECONDARY, Tokens, font};
+use super::{Command, NamedView, Pick, Picture, Studio, Tone, ViewKey, ViewerState, legends};
 use crate::render::{Bounds, BoundsCache, Camera, Named, Picker, Quality, Renderer, Target, Theme, View};
 
 /// Radians per point of dragging: a drag over 600 points turns by half a turn.
@@ -42,6 +40,10 @@ pub(super) struct View3d {
     anchor: Option<Point3<f64>>,
     wants_frame: bool,
     was_framed: bool,
+    /// The examined cluster that the camera went to, and whether it looks at its rejected points.
+    examined: Option<(usize, bool)>,
+    /// Where the camera stood before it went there.
+    before_lab: Option<Camera>,
 }
 
 /// A camera on its way.
@@ -83,6 +85,8 @@ impl View3d {
             anchor: None,
             wants_frame: true,
             was_framed: false,
+            examined: None,
+            before_lab: None,
         }
     }
 
@@ -120,6 +124,7 @@ impl View3d {
             self.picture = studio.compose(&state.compose_input(dark));
             self.composed = Some(key);
         }
+        self.go_to_lab(state);
         if self.wants_frame {
             self.frame_picture(&layout, rect);
         }
@@ -145,7 +150,12 @@ impl View3d {
         let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
         ui.painter().image(self.texture, rect, whole, Color32::WHITE);
         self.labels(ui, rect);
-        self.scale_bar(ui, &layout);
+        if let Some(legend) = &self.picture.legend {
+            legends::legend(ui, &layout, legend);
+        }
+        if let Some(bar) = &self.picture.scale {
+            legends::scale_bar(ui, &layout, bar);
+        }
         commands
     }
 
@@ -181,6 +191,26 @@ impl View3d {
             self.camera = to;
             self.was_framed = true;
         }
+    }
+
+    /// The camera goes to a fit that is examined, and back when the robot is at work again.
+    fn go_to_lab(&mut self, state: &ViewerState) {
+        let examined = state.lab_key().map(|lab| (lab.cluster, lab.points_out_rejected));
+        if examined == self.examined {
+            return;
+        }
+        match (self.examined, examined) {
+            (None, Some(_)) => {
+                self.before_lab = self.was_framed.then_some(self.camera);
+                self.wants_frame = true;
+            }
+            (Some(_), Some(_)) => self.wants_frame = true,
+            (_, None) => match self.before_lab.take() {
+                Some(to) => self.travel = Some(Travel { from: self.camera, to, passed_s: 0.0 }),
+                None => self.wants_frame = true,
+            },
+        }
+        self.examined = examined;
     }
 
     fn travel_on(&mut self, ui: &Ui) {
@@ -324,43 +354,6 @@ impl View3d {
             ui.painter().rect(pill, 5.0, tokens.panel, line, StrokeKind::Inside);
             ui.painter().galley(pill.center() - 0.5 * galley.size(), galley, color);
             taken.push(pill);
-        }
-    }
-
-    /// The meaning of the data colours, low in the free part of the view.
-    fn scale_bar(&self, ui: &Ui, layout: &Layout) {
-        const STEPS: usize = 48;
-        let Some(bar) = &self.picture.scale else { return };
-        let tokens = Tokens::of(ui);
-        let width = (layout.free.width() - 48.0).min(280.0);
-        if width < 80.0 {
-            return;
-        }
-        let rect = Rect::from_min_size(layout.free.left_bottom() + vec2(24.0, -46.0), vec2(width, 8.0));
-        let back = rect.expand2(vec2(10.0, 8.0)).with_max_y(rect.bottom() + 26.0);
-        ui.painter().rect_filled(back, 6.0, tokens.panel.gamma_multiply(0.75));
-        let mut mesh = Mesh::default();
-        let (min, max) = (bar.scale.min, bar.scale.max);
-        for step in 0..=STEPS {
-            let u = step as f64 / STEPS as f64;
-            let [r, g, b, _] = bar.scale.color(min + u * (max - min)).map(|c| (255.0 * c).round() as u8);
-            let x = rect.left() + rect.width() * u as f32;
-            mesh.colored_vertex(pos2(x, rect.top()), Color32::from_rgb(r, g, b));
-            mesh.colored_vertex(pos2(x, rect.bottom()), Color32::from_rgb(r, g, b));
-            if step > 0 {
-                let i = 2 * step as u32;
-                mesh.add_triangle(i - 2, i - 1, i);
-                mesh.add_triangle(i - 1, i, i + 1);
-            }
-        }
-        ui.painter().add(mesh);
-        let y = rect.bottom() + 4.0;
-        for (x, anchor, text) in [
-            (rect.left(), Align2::LEFT_TOP, format::significant(min)),
-            (rect.center().x, Align2::CENTER_TOP, bar.title.clone()),
-            (rect.right(), Align2::RIGHT_TOP, format::significant(max)),
-        ] {
-            let _rect = ui.painter().text(pos2(x, y), anchor, text, font(SMALL), tokens.secondary);
         }
     }
 }
