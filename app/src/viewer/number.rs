@@ -1,8 +1,8 @@
 //! A number that is dragged sideways or typed.
 
-use egui::{DragValue, Response, Role, Ui, WidgetInfo, vec2};
+use egui::{DragValue, Response, Ui, WidgetInfo, vec2};
 
-use super::theme::{BODY, SMALL_RADIUS, Tokens, font};
+use super::theme::{BODY, Tokens, font};
 use super::widgets::focus_ring;
 
 /// What a number is and how it is shown.
@@ -37,13 +37,16 @@ pub(super) fn number(ui: &mut Ui, field: &Number, value: f64, width: f32) -> Tou
     let tokens = Tokens::of(ui);
     let id = ui.scope_id().with(("number", field.name));
     let held: Option<f64> = ui.data(|data| data.get_temp(id));
+    // Half of the last digit: what is smaller cannot be read. It also keeps a tiny negative number from being “-0.0”.
+    let least = 0.5 * 10_f64.powi(-(field.decimals as i32));
     let mut shown = held.unwrap_or(value);
+    if shown.abs() < least {
+        shown = 0.0;
+    }
     let before = shown;
     let response: Response = ui
         .scope(|ui| {
-            for widget in [&mut ui.visuals_mut().widgets.inactive] {
-                widget.weak_bg_fill = tokens.well;
-            }
+            ui.visuals_mut().widgets.inactive.weak_bg_fill = tokens.well;
             ui.visuals_mut().widgets.hovered.weak_bg_fill = tokens.hover;
             ui.visuals_mut().widgets.active.weak_bg_fill = tokens.hover;
             ui.spacing_mut().interact_size = vec2(width, 26.0);
@@ -65,11 +68,9 @@ pub(super) fn number(ui: &mut Ui, field: &Number, value: f64, width: f32) -> Tou
         })
         .inner;
     response.widget_info(|| WidgetInfo { label: Some(field.name.to_owned()), ..WidgetInfo::drag_value(true, shown) });
-    let _role = Role::SpinButton;
-    focus_ring(ui, &response, response.rect.expand(f32::from(SMALL_RADIUS) * 0.0));
+    focus_ring(ui, &response, response.rect);
     // Leaving a field writes its rounded text back: only a difference that can be read is a change.
-    let least = 0.51 * 10_f64.powi(-(field.decimals as i32));
-    let is_changed = (shown - before).abs() > if response.dragged() { 0.0 } else { least };
+    let is_changed = (shown - before).abs() > if response.dragged() { 0.0 } else { 1.02 * least };
     let touch = if response.drag_stopped() {
         ui.data_mut(|data| data.remove::<f64>(id));
         Touch::Released(shown)

@@ -71,18 +71,6 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
             }
         }
     });
-    if rows > 0 {
-        let text = "E_r of the radial objective is the least by design: it minimises just that.";
-        let radial_is_least = comparison.is_some_and(|comparison| {
-            let radial_m = |row: &ObjectiveFit| row.fit.as_ref().map_or(f64::INFINITY, |fit| fit.radial_m);
-            let least = comparison.rows.iter().min_by(|l, r| radial_m(&l.1).total_cmp(&radial_m(&r.1)));
-            least.is_some_and(|(_, row)| row.objective == ObjectiveKind::Radial) && rows > 1
-        });
-        if radial_is_least {
-            ui.add_space(4.0);
-            let _text = paragraph(ui, text, SECONDARY, tokens.secondary);
-        }
-    }
 }
 
 fn cell(row: Rect, column: usize) -> Rect {

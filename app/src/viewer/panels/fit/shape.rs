@@ -10,7 +10,7 @@ use super::result::{E_G, E_R};
 use crate::viewer::number::{Number, Touch, number};
 use crate::viewer::panels::Out;
 use crate::viewer::theme::{SECONDARY, SMALL, Tokens, font, strong};
-use crate::viewer::widgets::{paragraph, secondary_button, section};
+use crate::viewer::widgets::{paragraph, secondary_button};
 use crate::viewer::{Command, LabCommand, ViewerState, format};
 
 /// Semi-axes, exponents, position, angles, taper and bend.
@@ -40,13 +40,13 @@ const FIELDS: [Number; COUNT] = [
     field("Bend, 1/m", "1/m", 2, 0.02, "Curvature of the axis in the y–z plane"),
 ];
 
-/// What stands before a number, and which numbers share a row.
-const ROWS: [(&str, &[(&str, usize)]); 5] = [
-    ("Semi-axes", &[("a", 0), ("b", 1), ("c", 2)]),
-    ("Exponents", &[("e1", 3), ("e2", 4)]),
-    ("Position", &[("x", 5), ("y", 6), ("z", 7)]),
-    ("Rotation", &[("roll", 8), ("pitch", 9), ("yaw", 10)]),
-    ("Deformation", &[("taper K", 11), ("bend κ", 12)]),
+/// What stands over a number, and which numbers share a row.
+const ROWS: [&[(&str, usize)]; 5] = [
+    &[("semi-axis a", 0), ("semi-axis b", 1), ("semi-axis c", 2)],
+    &[("exponent e1", 3), ("exponent e2", 4)],
+    &[("position x", 5), ("position y", 6), ("position z", 7)],
+    &[("roll", 8), ("pitch", 9), ("yaw", 10)],
+    &[("taper K", 11), ("bend κ", 12)],
 ];
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, fit: &Fit, out: &mut Out) {
@@ -59,16 +59,13 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, fit: &Fit, out: &mut Out) {
 
     let values = values(ui, &shape);
     let width = ui.available_width();
-    for (title, fields) in ROWS {
-        section(ui, title);
+    let each = (width - 16.0) / 3.0;
+    ui.add_space(10.0);
+    for (row, fields) in ROWS.into_iter().enumerate() {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 8.0;
-            let each = (width - 16.0) / 3.0;
             for &(symbol, index) in fields {
-                ui.allocate_ui_with_layout(vec2(each, 46.0), egui::Layout::top_down(egui::Align::Min), |ui| {
-                    ui.spacing_mut().item_spacing.y = 2.0;
-                    ui.set_width(each);
-                    let _text = ui.label(egui::RichText::new(symbol).font(font(SECONDARY)).color(tokens.secondary));
+                cell(ui, each, symbol, |ui| {
                     let touched = number(ui, &FIELDS[index], values[index], each);
                     let set = |ui: &Ui, value: f64| {
                         let mut values = values;
@@ -83,21 +80,35 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, fit: &Fit, out: &mut Out) {
                     }
                 });
             }
+            if row == ROWS.len() - 1 {
+                cell(ui, each, "", |ui| {
+                    if secondary_button(ui, "Back to the fit", by_hand.is_some()).clicked() {
+                        out.push(Command::Lab(LabCommand::BackToFit));
+                    }
+                });
+            }
         });
+        ui.add_space(6.0);
     }
-    ui.add_space(8.0);
     if let Some(reason) = &state.lab.refused {
         let text = format!("Not taken: {reason}.");
         let _text = paragraph(ui, &text, SECONDARY, tokens.coral);
         ui.add_space(4.0);
     }
-    if secondary_button(ui, "Back to the fit", by_hand.is_some()).clicked() {
-        out.push(Command::Lab(LabCommand::BackToFit));
-    }
-    ui.add_space(4.0);
     let text = "Drag a number sideways, or click it and type. The Fit step answers while you drag; grasps and plan \
                 follow when you let go.";
     let _text = paragraph(ui, text, SECONDARY, tokens.secondary);
+}
+
+/// A caption over something.
+fn cell(ui: &mut Ui, width: f32, caption: &str, add: impl FnOnce(&mut Ui)) {
+    let color = Tokens::of(ui).secondary;
+    ui.allocate_ui_with_layout(vec2(width, 46.0), egui::Layout::top_down(egui::Align::Min), |ui| {
+        ui.spacing_mut().item_spacing.y = 3.0;
+        ui.set_width(width);
+        let _text = ui.label(egui::RichText::new(caption).font(font(SECONDARY)).color(color));
+        add(ui);
+    });
 }
 
 /// The errors in large figures, beside those of the fit that the shape stands in for.
