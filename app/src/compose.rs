@@ -62,8 +62,9 @@ pub struct Composer {
     pin: Option<Arc<Mesh>>,
 }
 
-/// Address and number of the points, whether they are segmented, the cluster that is not seen, and the theme.
-type CloudKey = (usize, usize, bool, Option<usize>, Theme);
+/// Address and number of the points, whether they are segmented, the cluster that is not seen, whether the others are
+/// only its surroundings, and the theme.
+type CloudKey = (usize, usize, bool, Option<usize>, bool, Theme);
 
 struct CloudCache {
     key: CloudKey,
@@ -175,11 +176,14 @@ impl Composer {
         // A moved object has left its points behind; an examined fit draws them itself.
         let target = input.segment.map(|s| s.target);
         let hidden = input.lab.as_ref().map(|lab| lab.cluster).or(target.filter(|_| moved));
-        let key = (points.as_ptr() as usize, points.len(), input.segment.is_some(), hidden, input.theme);
+        let key =
+            (points.as_ptr() as usize, points.len(), input.segment.is_some(), hidden, input.lab.is_some(), input.theme);
         if self.cloud.as_ref().is_none_or(|cache| cache.key != key) {
             let fates = input.segment.map(|s| s.fates.as_slice()).filter(|fates| fates.len() == points.len());
             let colors = (0..points.len())
-                .map(|i| fates.map_or(palette.cloud, |fates| palette.fate(fates[i], target, hidden)))
+                .map(|i| {
+                    fates.map_or(palette.cloud, |fates| palette.fate(fates[i], target, hidden, input.lab.is_some()))
+                })
                 .collect();
             self.cloud = Some(CloudCache { key, points: Arc::new(points.clone()), colors: Arc::new(colors) });
         }

@@ -9,7 +9,7 @@ use crate::assets;
 use crate::compose::{Composer, Content, LabContent, Palette, merit_scale};
 use crate::render::{Bounds, Theme};
 use crate::viewer::{
-    ComposeInput, Demo, Label, Layer, Picture, Posture, RobotChoice, ScaleBar, Situation, Studio, Tone,
+    ComposeInput, Demo, Label, Layer, Picture, Posture, RobotChoice, ScaleBar, Situation, Studio, Tone, objective_title,
 };
 
 /// Composes pictures from the robots and demos inside the program.
@@ -104,7 +104,7 @@ fn lab_content<'a>(input: &ComposeInput<'a>) -> Option<LabContent<'a>> {
         distances_m: fits.distances_m.get(key.cluster).map_or(&[], Vec::as_slice),
         fit,
         automatic: fits.automatic.as_deref().filter(|_| is_by_hand),
-        trial: key.objective.and_then(|objective| Some((objective.name(), input.trial?))),
+        trial: key.objective.and_then(|objective| Some((objective_title(objective), input.trial?))),
         view: key.view,
         points_out_rejected: key.points_out_rejected,
     })

@@ -14,8 +14,10 @@ use crate::viewer::{FitView, Legend, LegendRow, Mark, Pick};
 
 /// Every so many lines of the mesh one is drawn.
 const WIRE_STEP: usize = 4;
-/// Diameter of a point, metres.
-const POINT_M: f64 = 0.0026;
+/// Diameter of an input point, metres.
+const POINT_M: f64 = 0.0018;
+/// Diameter of a mirrored point: there are many, and what was measured comes first.
+const MIRRORED_M: f64 = 0.0009;
 /// Diameter of a rejected point, metres, and when the view points at it.
 const REJECTED_M: [f64; 2] = [0.0045, 0.008];
 /// Share of the points whose errors the colours resolve; the few beyond take the end colours.
@@ -77,7 +79,7 @@ impl LabContent<'_> {
         let rejected = self.fit.rejected.len();
         let inputs = count(self.points.len().saturating_sub(rejected));
         if self.view == FitView::Error {
-            add(Mark::Dot, self.scale().color(f64::INFINITY), format!("{inputs} input points, by their error"));
+            add(Mark::Signed, palette.cloud, format!("{inputs} input points, by their error"));
         } else {
             add(Mark::Dot, palette.cloud, format!("{inputs} input points"));
             if !self.fit.mirrored.is_empty() {
@@ -180,7 +182,7 @@ fn add_points(frame: &mut Frame, lab: &LabContent<'_>, palette: &Palette) {
     }
     add(inputs, colors, POINT_M);
     if lab.view != FitView::Error {
-        add(lab.fit.mirrored.clone(), vec![shown(palette.mirrored)], POINT_M);
+        add(lab.fit.mirrored.clone(), vec![shown(palette.mirrored)], MIRRORED_M);
     }
     let rejected: Vec<Point3<f64>> = lab.fit.rejected.iter().map(|point| point.p_F).collect();
     let [red, green, blue, _] = palette.rejected;

@@ -116,9 +116,13 @@ impl Palette {
     }
 
     /// Colour of a point by what became of it; the target cluster is teal, a hidden one is not seen.
-    pub fn fate(&self, fate: PointFate, target: Option<usize>, hidden: Option<usize>) -> [f32; 4] {
+    /// Around an examined cluster all points are quiet.
+    pub fn fate(&self, fate: PointFate, target: Option<usize>, hidden: Option<usize>, is_quiet: bool) -> [f32; 4] {
         match fate {
             PointFate::Cluster(index) if Some(usize::from(index)) == hidden => [0.0; 4],
+            PointFate::Cluster(_) | PointFate::SmallCluster if is_quiet => {
+                [self.neighbour[0], self.neighbour[1], self.neighbour[2], 0.35]
+            }
             PointFate::Cluster(index) if Some(usize::from(index)) == target => self.accent,
             PointFate::Cluster(index) => self.clusters[usize::from(index) % self.clusters.len()],
             PointFate::SmallCluster => self.rejected,

@@ -145,6 +145,8 @@ pub struct LegendRow {
 pub enum Mark {
     /// A point.
     Dot,
+    /// Points in the colours of signed data.
+    Signed,
     /// A large point.
     Disc,
     /// A body.

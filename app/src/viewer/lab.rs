@@ -156,6 +156,17 @@ impl Comparison {
     }
 }
 
+/// What a person calls an objective.
+pub fn objective_title(objective: ObjectiveKind) -> &'static str {
+    match objective {
+        ObjectiveKind::Radial => "Radial",
+        ObjectiveKind::Solina => "Solina",
+        ObjectiveKind::Ichim => "Ichim",
+        ObjectiveKind::Chevalier => "Chevalier",
+        ObjectiveKind::F5 => "f5",
+    }
+}
+
 /// A document without what a comparison of objectives does not depend on.
 fn basis(document: &Document) -> Document {
     let mut basis = Document { cluster: None, grasp: None, shape: None, ..document.clone() };

@@ -6,6 +6,7 @@ use super::layout::Layout;
 use super::theme::{BODY, MARGIN, SECONDARY, SMALL, Tokens, font, strong};
 use super::widgets::elided;
 use super::{Legend, Mark, ScaleBar, format};
+use crate::render::ColorMap;
 
 const ROW: f32 = 20.0;
 const PADDING: f32 = 12.0;
@@ -44,6 +45,12 @@ fn mark(painter: &Painter, mark: Mark, centre: Pos2, color: Color32) {
         Mark::Dot => {
             for (x, y) in [(-5.0, 2.5), (0.0, -2.5), (5.0, 2.5)] {
                 painter.circle_filled(centre + vec2(x, y), 2.0, color);
+            }
+        }
+        Mark::Signed => {
+            for (x, t) in [(-5.5, 0.12), (0.0, 0.5), (5.5, 0.88)] {
+                let [r, g, b, _] = ColorMap::Diverging.at(t).map(|c| (255.0 * c).round() as u8);
+                painter.circle(centre + vec2(x, 0.0), 2.6, Color32::from_rgb(r, g, b), Stroke::new(0.5, Color32::GRAY));
             }
         }
         Mark::Disc => {

@@ -36,7 +36,7 @@ pub use commands::{Command, Effect, NamedView};
 pub use compose_input::{ComposeInput, Label, Legend, LegendRow, Mark, Picture, Posture, ScaleBar, Tone, ViewKey};
 pub use document::Document;
 pub use format::count;
-pub use lab::{Comparison, FitView, Lab, LabCommand, LabKey, LabPage};
+pub use lab::{Comparison, FitView, Lab, LabCommand, LabKey, LabPage, objective_title};
 pub use layers::{Layer, LayerView, Layers};
 pub use outputs::{Dated, Outputs};
 pub use panels::draw_panels;

@@ -19,6 +19,11 @@ const SETTLE_S: f64 = 0.2;
 /// How long the camera travels to a named view, seconds.
 const TRAVEL_S: f64 = 0.35;
 
+/// An examined fit is seen from beside its sensor: what was measured, and how it goes on where nothing was.
+const BESIDE_SENSOR_RAD: f64 = 0.75;
+/// … and from a little above.
+const LAB_PITCH_RAD: f64 = 0.38;
+
 /// The view and everything that it keeps between frames.
 pub(super) struct View3d {
     gpu: RenderState,
@@ -44,6 +49,8 @@ pub(super) struct View3d {
     examined: Option<(usize, bool)>,
     /// Where the camera stood before it went there.
     before_lab: Option<Camera>,
+    /// The next frame is taken from the side of this place.
+    wants_side: Option<Point3<f64>>,
 }
 
 /// A camera on its way.
@@ -51,6 +58,12 @@ struct Travel {
     from: Camera,
     to: Camera,
     passed_s: f64,
+}
+
+/// Where the cloud was seen from.
+fn sensor(state: &ViewerState) -> Option<Point3<f64>> {
+    let X_WC = state.outputs.scene.as_ref()?.cloud.X_FC?;
+    Some(X_WC.translation.vector.into())
 }
 
 /// What the texture shows.
@@ -87,6 +100,7 @@ impl View3d {
             was_framed: false,
             examined: None,
             before_lab: None,
+            wants_side: None,
         }
     }
 
@@ -181,6 +195,11 @@ impl View3d {
         let Some(bounds) = self.picture.bounds.or_else(everything) else { return };
         let free = layout.free.size().max(Vec2::splat(1.0));
         let mut to = self.camera;
+        if let Some(side) = self.wants_side.take() {
+            let towards = side - bounds.center();
+            to.yaw_rad = towards.y.atan2(towards.x) + BESIDE_SENSOR_RAD;
+            to.pitch_rad = LAB_PITCH_RAD;
+        }
         to.frame(&bounds, [f64::from(free.x), f64::from(free.y)]);
         // The camera's field of view spans the whole picture, of which the free part is only a piece.
         to.distance_m *= f64::from(rect.height() / free.y);
@@ -203,6 +222,7 @@ impl View3d {
             (None, Some(_)) => {
                 self.before_lab = self.was_framed.then_some(self.camera);
                 self.wants_frame = true;
+                self.wants_side = sensor(state);
             }
             (Some(_), Some(_)) => self.wants_frame = true,
             (_, None) => match self.before_lab.take() {

@@ -9,22 +9,11 @@ use crate::viewer::icons::{self, Icon};
 use crate::viewer::panels::Out;
 use crate::viewer::theme::{BODY, SECONDARY, SMALL, Tokens, font, strong};
 use crate::viewer::widgets::{focus_ring, paragraph, secondary_button, section, text_in};
-use crate::viewer::{Command, LabCommand, ViewerState, format};
+use crate::viewer::{Command, LabCommand, ViewerState, format, objective_title};
 
 const ROW: f32 = 42.0;
 /// Right edges of the four numbers, as shares of the width.
 const COLUMNS: [f32; 4] = [0.46, 0.64, 0.82, 1.0];
-
-/// What a person calls an objective.
-pub(super) fn title(objective: ObjectiveKind) -> &'static str {
-    match objective {
-        ObjectiveKind::Radial => "Radial",
-        ObjectiveKind::Solina => "Solina",
-        ObjectiveKind::Ichim => "Ichim",
-        ObjectiveKind::Chevalier => "Chevalier",
-        ObjectiveKind::F5 => "f5",
-    }
-}
 
 /// Its formula.
 pub(super) fn formula(objective: ObjectiveKind) -> &'static str {
@@ -105,7 +94,7 @@ fn show(ui: &mut Ui, state: &ViewerState, elapsed_ms: f64, row: &ObjectiveFit, o
         let top = rect.top() + 2.0 + 18.0 * n;
         Rect::from_min_max(pos2(rect.left(), top), pos2(rect.right(), top + 20.0))
     };
-    let name = title(row.objective);
+    let name = objective_title(row.objective);
     let id = if is_taken { strong(BODY) } else { font(BODY) };
     let _text = text_in(ui, line(0.0), Align::Min, name, id, tokens.text);
     let mut spoken = format!("Objective {name}");

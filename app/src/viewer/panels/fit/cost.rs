@@ -55,7 +55,7 @@ pub(super) fn draw(ui: &mut Ui, fit: &Fit, objective: ObjectiveKind) {
             .y_grid_spacer(decades)
             .x_grid_spacer(whole_steps)
             .y_axis_min_width(36.0)
-            .y_axis_formatter(|mark, _| format::significant(10_f64.powf(mark.value)))
+            .y_axis_formatter(|mark, _| tick(10_f64.powf(mark.value)))
             .x_axis_formatter(|mark, _| format!("{:.0}", mark.value))
             .label_formatter(near)
             .show(ui, |plot| {
@@ -100,6 +100,15 @@ pub(super) fn draw(ui: &mut Ui, fit: &Fit, objective: ObjectiveKind) {
     let _text = paragraph(ui, &text, SMALL, tokens.secondary);
 }
 
+/// A round cost without idle zeros.
+fn tick(value: f64) -> String {
+    if value < 0.99e-3 {
+        return format!("{value:.0e}");
+    }
+    let text = format!("{value:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
 /// The run that the fit was taken from: of those on the most points the cheapest, the last of equals.
 fn taken(runs: &[RunReport]) -> usize {
     let most = runs.iter().map(|run| run.points).max().unwrap_or(0);
@@ -114,7 +123,7 @@ fn decades(input: GridInput) -> Vec<GridMark> {
     let digits: &[f64] = if high - low > 2.2 { &[1.0] } else { &[1.0, 2.0, 5.0] };
     let decades = low.floor() as i32..=high.ceil() as i32;
     let marks = decades.flat_map(|decade| digits.iter().map(move |digit| f64::from(decade) + digit.log10()));
-    // One step size for all of them: they are equally strong.
+    // One step size for all of them: they are equally strong, and none is left without its number.
     marks.filter(|value| (low..=high).contains(value)).map(|value| GridMark { value, step_size: 1.0 }).collect()
 }
 
@@ -125,7 +134,7 @@ fn whole_steps(input: GridInput) -> Vec<GridMark> {
     let step = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0].into_iter().find(|&step| step >= wanted).unwrap_or(200.0);
     let first = (low / step).ceil().max(0.0) as i64;
     let last = (high / step).floor() as i64;
-    (first..=last).map(|k| GridMark { value: k as f64 * step, step_size: step }).collect()
+    (first..=last).map(|k| GridMark { value: k as f64 * step, step_size: 10.0 * step }).collect()
 }
 
 #[cfg(test)]

@@ -3,12 +3,12 @@
 use egui::Ui;
 use endcomfort_core::fit::{DeformMode, FitSettings, MirrorMode, ObjectiveKind};
 
-use super::compare::{formula, title};
+use super::compare::formula;
 use crate::viewer::number::{Number, Touch, number};
 use crate::viewer::panels::Out;
 use crate::viewer::theme::{BODY, SECONDARY, Tokens, font};
 use crate::viewer::widgets::{paragraph, section, segmented_wide, switch};
-use crate::viewer::{Command, LabCommand, ViewerState};
+use crate::viewer::{Command, LabCommand, ViewerState, objective_title};
 
 const MIRRORS: [MirrorMode; 3] = [MirrorMode::Auto, MirrorMode::On, MirrorMode::Off];
 const DEFORMATIONS: [DeformMode; 5] =
@@ -22,7 +22,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     let mut wanted = present.clone();
 
     section(ui, "Minimised");
-    let words = ObjectiveKind::ALL.map(title);
+    let words = ObjectiveKind::ALL.map(objective_title);
     let chosen = ObjectiveKind::ALL.iter().position(|&objective| objective == present.objective);
     if let Some(index) = segmented_wide(ui, "Objective", &words, chosen) {
         wanted.objective = ObjectiveKind::ALL[index];
