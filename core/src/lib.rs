@@ -28,6 +28,7 @@ pub mod rng;
 pub mod robot;
 pub mod scene;
 pub mod segment;
+mod simd;
 pub mod superquadric;
 pub mod task;
 pub mod watch;

@@ -12,6 +12,7 @@ use nalgebra::Point3;
 
 use super::candidate::{Candidate, UNKNOWNS};
 use crate::segment::Plane;
+use crate::simd::{Kernel, widest};
 use crate::superquadric::{AxesGauge, fast_exp};
 
 /// Points handled side by side; their arrays stay in the nearest cache.
@@ -105,13 +106,7 @@ impl<'a> Objective<'a> {
 
     /// Cost, gradient and Gauss–Newton matrix at a candidate.
     pub(crate) fn at(&self, candidate: &Candidate) -> NormalEquations {
-        let mut sums = Sums::new();
-        let frame = CandidateFrame::new(candidate);
-        for chunk in &self.points.chunks {
-            let rows = frame.rows(chunk);
-            sums.add(&rows);
-        }
-        let mut equations = sums.finish();
+        let mut equations = widest(Pass { chunks: &self.points.chunks, frame: CandidateFrame::new(candidate) });
         if let Some((plane, share)) = &self.table {
             let (residual, row) = standing_row(candidate, plane);
             equations.add_row(residual, &row, share * self.points.total_weight);
@@ -124,6 +119,25 @@ impl<'a> Objective<'a> {
             }
         }
         equations
+    }
+}
+
+/// One pass over the points.
+struct Pass<'a> {
+    chunks: &'a [Chunk],
+    frame: CandidateFrame,
+}
+
+impl Kernel for Pass<'_> {
+    type Output = NormalEquations;
+
+    #[inline(always)]
+    fn run(self) -> NormalEquations {
+        let mut sums = Sums::new();
+        for chunk in self.chunks {
+            sums.add(&self.frame.rows(chunk));
+        }
+        sums.finish()
     }
 }
 

@@ -4,8 +4,10 @@
 //! surface, and convex for exponents up to 2. It is computed in logarithms ([`gauge`](self)), where an exponent of
 //! 0.01 and a point on an axis plane are ordinary inputs.
 //!
-//! Not here: tapered, bent and concave (`e > 2`) shapes.
+//! Not here: concave (`e > 2`) shapes.
 
+mod bend;
+mod deformation;
 mod distance;
 mod explicit;
 mod gauge;
@@ -16,8 +18,11 @@ mod sampling;
 mod shape;
 mod superellipse;
 mod support;
+mod taper;
 mod volume;
 
+#[allow(unused_imports, reason = "the fit takes it from here")]
+pub(crate) use deformation::{Deformation, Undeformed};
 pub use distance::DistanceField;
 pub(crate) use gauge::AxesGauge;
 pub(crate) use kernels::fast_exp;
