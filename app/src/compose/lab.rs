@@ -14,10 +14,10 @@ use crate::viewer::{FitView, Legend, LegendRow, Mark, Pick};
 
 /// Every so many lines of the mesh one is drawn.
 const WIRE_STEP: usize = 4;
-/// Diameter of an input point, metres.
-const POINT_M: f64 = 0.0018;
+/// Diameter of an input point, metres, and between lines, which it should not cover.
+const POINT_M: [f64; 2] = [0.0018, 0.0011];
 /// Diameter of a mirrored point: there are many, and what was measured comes first.
-const MIRRORED_M: f64 = 0.0009;
+const MIRRORED_M: [f64; 2] = [0.0009, 0.0007];
 /// Diameter of a rejected point, metres, and when the view points at it.
 const REJECTED_M: [f64; 2] = [0.0045, 0.008];
 /// Share of the points whose errors the colours resolve; the few beyond take the end colours.
@@ -65,9 +65,9 @@ impl LabContent<'_> {
         };
         let first = shown.first()?;
         let (min, max) = shown.iter().fold((*first, *first), |(min, max), p| (min.inf(p), max.sup(p)));
-        // Half a hand of room: a single rejected point should not fill the view.
+        // Room for the legend and the bar; and a single rejected point should not fill the view.
         let middle = nalgebra::center(&min, &max);
-        let half = (max - min).scale(0.56).map(|side| side.max(0.03));
+        let half = (max - min).scale(0.64).map(|side| side.max(0.03));
         Some(Bounds { min: middle - half, max: middle + half })
     }
 
@@ -180,9 +180,10 @@ fn add_points(frame: &mut Frame, lab: &LabContent<'_>, palette: &Palette) {
         inputs.push(*p_W);
         colors.push(shown(color));
     }
-    add(inputs, colors, POINT_M);
+    let between_lines = usize::from(lab.view == FitView::Wire);
+    add(inputs, colors, POINT_M[between_lines]);
     if lab.view != FitView::Error {
-        add(lab.fit.mirrored.clone(), vec![shown(palette.mirrored)], MIRRORED_M);
+        add(lab.fit.mirrored.clone(), vec![shown(palette.mirrored)], MIRRORED_M[between_lines]);
     }
     let rejected: Vec<Point3<f64>> = lab.fit.rejected.iter().map(|point| point.p_F).collect();
     let [red, green, blue, _] = palette.rejected;

@@ -123,6 +123,8 @@ impl Palette {
             PointFate::Cluster(_) | PointFate::SmallCluster if is_quiet => {
                 [self.neighbour[0], self.neighbour[1], self.neighbour[2], 0.35]
             }
+            // Seen from so near, even faint points would lie on the table like sand.
+            _ if is_quiet => [0.0; 4],
             PointFate::Cluster(index) if Some(usize::from(index)) == target => self.accent,
             PointFate::Cluster(index) => self.clusters[usize::from(index) % self.clusters.len()],
             PointFate::SmallCluster => self.rejected,

@@ -224,6 +224,25 @@ impl ViewerState {
         self.lab.drag.is_recorded
     }
 
+    /// The examined cluster's shape with the fields of a JSON object in it.
+    pub(super) fn shape_with(&self, parameters: &str) -> Result<SetShape, String> {
+        let (Some(cluster), Some(fit)) = (self.examined_cluster(), self.examined_fit()) else {
+            return Err("there is no fit whose shape could be set".to_owned());
+        };
+        let mut shape = serde_json::to_value(fit.superquadric).map_err(|error| error.to_string())?;
+        let given: serde_json::Value = serde_json::from_str(parameters).map_err(|error| error.to_string())?;
+        let (Some(fields), Some(given)) = (shape.as_object_mut(), given.as_object()) else {
+            return Err("a shape is set by an object such as {\"a\": 0.05}".to_owned());
+        };
+        for (name, value) in given {
+            if fields.insert(name.clone(), value.clone()).is_none() {
+                return Err(format!("a superquadric has no parameter {name:?}"));
+            }
+        }
+        let superquadric = serde_json::from_value(shape).map_err(|error| error.to_string())?;
+        Ok(SetShape { cluster, superquadric })
+    }
+
     pub(super) fn apply_lab(&mut self, command: LabCommand) -> Vec<Effect> {
         match command {
             LabCommand::Page(page) => self.lab.page = page,

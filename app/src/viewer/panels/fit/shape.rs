@@ -120,7 +120,7 @@ fn errors(ui: &mut Ui, state: &ViewerState, fit: &Fit) {
     let cells = [
         ("E_r", format::length(fit.radial_m), automatic.map(|fit| format::length(fit.radial_m)), E_R),
         (
-            "E_g (3.9)",
+            "E_g",
             format::significant(fit.goodness_of_fit),
             automatic.map(|fit| format::significant(fit.goodness_of_fit)),
             E_G,
