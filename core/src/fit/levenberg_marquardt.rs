@@ -1,12 +1,11 @@
-//! Levenberg–Marquardt (3.3) on 11 × 11 normal equations, with a box around every bounded unknown.
+//! Levenberg–Marquardt (3.3) on 11 × 11 normal equations (13 × 13 with deformations), with a box around every bounded unknown.
 //!
 //! Unknowns at a bound whose gradient pushes outward are taken out of the step (active set); steps are then held in the
 //! box. Damping follows Nielsen (1999): the gain ratio sets how far λ falls, and each failure doubles its growth.
 
-use nalgebra::{SMatrix, SVector};
-
-use super::candidate::{BOUNDED, Bounds, Candidate, UNKNOWNS};
-use super::objective::{NormalEquations, Objective};
+use super::candidate::{Bounds, Candidate, value_of};
+use super::normal_equations::NormalEquations;
+use super::objective::Objective;
 use super::types::StopReason;
 use crate::watch::Watch;
 
@@ -36,8 +35,8 @@ const ZERO_MEAN_SQUARE: f64 = 1e-18;
 /// Damping beyond which steps are too short to matter.
 const MAX_DAMPING: f64 = 1e12;
 
-/// Minimises the objective from a start.
-pub(crate) fn minimise(
+/// Minimises the objective from a start over N unknowns: `PLAIN` or `DEFORMED`.
+pub(crate) fn minimise<const N: usize>(
     objective: &Objective<'_>,
     start: &Candidate,
     bounds: &Bounds,
@@ -45,7 +44,7 @@ pub(crate) fn minimise(
     watch: Watch<'_>,
 ) -> Minimum {
     let mut candidate = start.held_in(bounds);
-    let mut here = objective.at(&candidate);
+    let mut here = objective.at::<N>(&candidate);
     let mut damping = 1e-3;
     let mut growth = 2.0;
     let mut iterations = 1;
@@ -73,7 +72,7 @@ pub(crate) fn minimise(
             continue;
         };
         let next_candidate = candidate.stepped(&step, bounds);
-        let next = objective.at(&next_candidate);
+        let next = objective.at::<N>(&next_candidate);
         iterations += 1;
         let actual = here.cost - next.cost;
         if actual > 0.0 {
@@ -101,38 +100,81 @@ pub(crate) fn minimise(
 }
 
 /// Solves `(H + λ diag H) δ = -g` for the unknowns that are free to move; `None` when H is not positive definite.
-fn damped_step(candidate: &Candidate, at: &NormalEquations, bounds: &Bounds, damping: f64) -> Option<[f64; UNKNOWNS]> {
-    let mut matrix = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::zeros();
-    let mut right = SVector::<f64, UNKNOWNS>::zeros();
-    let largest = (0..UNKNOWNS).map(|k| at.hessian[k][k]).fold(0.0, f64::max);
+fn damped_step<const N: usize>(
+    candidate: &Candidate,
+    at: &NormalEquations<N>,
+    bounds: &Bounds,
+    damping: f64,
+) -> Option<[f64; N]> {
+    let largest = (0..N).map(|k| at.hessian[k][k]).fold(0.0, f64::max);
     let is_free = |k: usize| {
-        k >= BOUNDED
-            || !(candidate.values[k] <= bounds.lower[k] && at.gradient[k] > 0.0
-                || candidate.values[k] >= bounds.upper[k] && at.gradient[k] < 0.0)
+        value_of(k).is_none_or(|value| {
+            !(candidate.values[value] <= bounds.lower[value] && at.gradient[k] >= 0.0
+                || candidate.values[value] >= bounds.upper[value] && at.gradient[k] <= 0.0)
+        })
     };
-    for i in 0..UNKNOWNS {
+    let mut matrix = [[0.0; N]; N];
+    let mut right = [0.0; N];
+    for i in 0..N {
         if !is_free(i) {
-            matrix[(i, i)] = 1.0;
+            matrix[i][i] = 1.0;
             continue;
         }
-        for j in 0..UNKNOWNS {
+        for j in 0..N {
             if is_free(j) {
-                matrix[(i, j)] = at.hessian[i][j];
+                matrix[i][j] = at.hessian[i][j];
             }
         }
         // The floor keeps an unknown that no point feels (the turn of a sphere) where it is.
-        matrix[(i, i)] += damping * at.hessian[i][i] + 1e-12 * largest;
+        matrix[i][i] += damping * at.hessian[i][i] + 1e-12 * largest;
         right[i] = -at.gradient[i];
     }
-    let step = matrix.cholesky()?.solve(&right);
-    step.iter().all(|s| s.is_finite()).then(|| std::array::from_fn(|k| step[k]))
+    let step = solved(&mut matrix, right)?;
+    step.iter().all(|s| s.is_finite()).then_some(step)
+}
+
+/// Solves a symmetric positive definite system by Cholesky's decomposition, in place; `None` when it is not definite.
+///
+/// Ours and not nalgebra's because its bits must not depend on the processor.
+fn solved<const N: usize>(matrix: &mut [[f64; N]; N], mut right: [f64; N]) -> Option<[f64; N]> {
+    for j in 0..N {
+        let mut pivot = matrix[j][j];
+        for k in 0..j {
+            pivot -= matrix[j][k] * matrix[j][k];
+        }
+        if !(pivot > 0.0) {
+            return None;
+        }
+        let root = pivot.sqrt();
+        matrix[j][j] = root;
+        for i in j + 1..N {
+            let mut entry = matrix[i][j];
+            for k in 0..j {
+                entry -= matrix[i][k] * matrix[j][k];
+            }
+            matrix[i][j] = entry / root;
+        }
+    }
+    for i in 0..N {
+        for k in 0..i {
+            right[i] -= matrix[i][k] * right[k];
+        }
+        right[i] /= matrix[i][i];
+    }
+    for i in (0..N).rev() {
+        for k in i + 1..N {
+            right[i] -= matrix[k][i] * right[k];
+        }
+        right[i] /= matrix[i][i];
+    }
+    Some(right)
 }
 
 /// By how much the linear model expects the cost to fall: `-2 gᵀδ - δᵀHδ`.
-fn predicted_reduction(at: &NormalEquations, step: &[f64; UNKNOWNS]) -> f64 {
-    (0..UNKNOWNS)
+fn predicted_reduction<const N: usize>(at: &NormalEquations<N>, step: &[f64; N]) -> f64 {
+    (0..N)
         .map(|i| {
-            let curved: f64 = (0..UNKNOWNS).map(|j| at.hessian[i][j] * step[j]).sum();
+            let curved: f64 = (0..N).map(|j| at.hessian[i][j] * step[j]).sum();
             -step[i] * (2.0 * at.gradient[i] + curved)
         })
         .sum()
@@ -143,12 +185,14 @@ mod tests {
     use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 
     use super::*;
-    use crate::fit::objective::WeightedPoints;
+    use crate::fit::candidate::{PLAIN, VALUES};
+    use crate::fit::weighted::WeightedPoints;
+    use crate::fit::types::ObjectiveKind;
     use crate::rng::Rng;
 
     const WIDE: Bounds = Bounds {
-        lower: [0.005, 0.005, 0.005, 0.1, 0.1, -1.0, -1.0, -1.0],
-        upper: [0.5, 0.5, 0.5, 1.9, 1.9, 1.0, 1.0, 1.0],
+        lower: [0.005, 0.005, 0.005, 0.1, 0.1, -1.0, -1.0, -1.0, 0.0, 0.0],
+        upper: [0.5, 0.5, 0.5, 1.9, 1.9, 1.0, 1.0, 1.0, 0.0, 0.0],
     };
     const LIMITS: Limits = Limits { max_iterations: 200, relative_reduction: 1e-9 };
 
@@ -167,9 +211,9 @@ mod tests {
             let points = cloud_of(&truth);
             let off = truth.R_DS * UnitQuaternion::from_scaled_axis(rng.direction() * 0.15);
             let start = Candidate::new(axes.map(|a| a * 1.1), [1.0, 1.0], truth.center() + rng.direction() * 0.01, off);
-            let found = minimise(&Objective::new(&points, None), &start, &WIDE, &LIMITS, Watch::idle());
+            let found = minimise::<PLAIN>(&Objective::new(&points, ObjectiveKind::Radial), &start, &WIDE, &LIMITS, Watch::idle());
             assert_eq!(found.stop, StopReason::Converged);
-            for k in 0..BOUNDED {
+            for k in 0..VALUES {
                 // The cost ends below (1 nm)² per point; exponents move the surface by about a tenth of their change.
                 assert!((found.candidate.values[k] - truth.values[k]).abs() < 1e-6, "{k}: {found:?} {truth:?}");
             }
@@ -183,10 +227,10 @@ mod tests {
         let points = cloud_of(&truth);
         let mut bounds = WIDE;
         bounds.upper[2] = 0.15;
-        let start = Candidate { values: [0.05, 0.05, 0.1, 1.0, 1.0, 0.0, 0.0, 0.0], ..truth };
-        let found = minimise(&Objective::new(&points, None), &start, &bounds, &LIMITS, Watch::idle());
+        let start = Candidate { values: [0.05, 0.05, 0.1, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0], ..truth };
+        let found = minimise::<PLAIN>(&Objective::new(&points, ObjectiveKind::Radial), &start, &bounds, &LIMITS, Watch::idle());
         assert_eq!(found.candidate.values[2], 0.15);
-        for k in 0..BOUNDED {
+        for k in 0..VALUES {
             assert!(found.candidate.values[k] >= bounds.lower[k] && found.candidate.values[k] <= bounds.upper[k]);
         }
         assert!((found.candidate.values[0] - 0.05).abs() < 0.01, "{found:?}");
@@ -196,14 +240,14 @@ mod tests {
     fn limits_and_cancelling_are_named() {
         let truth = Candidate::new([0.05, 0.06, 0.2], [0.3, 0.3], Vector3::zeros(), UnitQuaternion::identity());
         let points = cloud_of(&truth);
-        let objective = Objective::new(&points, None);
-        let start = Candidate { values: [0.1, 0.1, 0.1, 1.0, 1.0, 0.05, 0.0, 0.0], ..truth };
+        let objective = Objective::new(&points, ObjectiveKind::Radial);
+        let start = Candidate { values: [0.1, 0.1, 0.1, 1.0, 1.0, 0.05, 0.0, 0.0, 0.0, 0.0], ..truth };
         let few = Limits { max_iterations: 3, ..LIMITS };
-        assert_eq!(minimise(&objective, &start, &WIDE, &few, Watch::idle()).stop, StopReason::IterationLimit);
+        assert_eq!(minimise::<PLAIN>(&objective, &start, &WIDE, &few, Watch::idle()).stop, StopReason::IterationLimit);
         let always = Watch::new(&|| true, &|_, _| (), &|| 0.0);
-        assert_eq!(minimise(&objective, &start, &WIDE, &LIMITS, always).stop, StopReason::Stopped);
+        assert_eq!(minimise::<PLAIN>(&objective, &start, &WIDE, &LIMITS, always).stop, StopReason::Stopped);
         let lost = WeightedPoints::new(&[(Point3::new(1e200, 0.0, 0.0), 1.0)]);
-        let objective = Objective::new(&lost, None);
-        assert_eq!(minimise(&objective, &start, &WIDE, &LIMITS, Watch::idle()).stop, StopReason::NotFinite);
+        let objective = Objective::new(&lost, ObjectiveKind::Radial);
+        assert_eq!(minimise::<PLAIN>(&objective, &start, &WIDE, &LIMITS, Watch::idle()).stop, StopReason::NotFinite);
     }
 }

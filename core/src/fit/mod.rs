@@ -11,14 +11,20 @@ mod frame;
 mod levenberg_marquardt;
 mod metrics;
 mod mirror;
+mod normal_equations;
 mod objective;
+mod prepare;
+mod robust;
 mod run;
+mod search;
+mod standing;
 mod starts;
 #[cfg(test)]
 mod test_scenes;
 mod thin;
 mod types;
 mod view;
+mod weighted;
 
 pub use metrics::{FitErrors, fit_errors};
 pub use run::fit;

@@ -5,7 +5,7 @@
 
 use nalgebra::{Matrix3, Point3, UnitQuaternion, Vector3};
 
-use super::candidate::{BOUNDED, Bounds, Candidate, EXPONENTS};
+use super::candidate::{BEND, Bounds, Candidate, EXPONENTS, TAPER, VALUES};
 use super::frame::{principal_axes, rotation_of};
 use crate::math;
 
@@ -31,22 +31,23 @@ pub(crate) struct Surroundings {
 }
 
 /// Boxes with names: axes as columns of a rotation.
-fn boxes(points: &[Point3<f64>], around: &Surroundings) -> Vec<(&'static str, Matrix3<f64>)> {
+fn boxes(points: &[(Point3<f64>, f64)], around: &Surroundings) -> Vec<(&'static str, Matrix3<f64>)> {
     let mut boxes = Vec::new();
+    let positions: Vec<Point3<f64>> = points.iter().map(|(p, _)| *p).collect();
     if around.on_table {
         if let Some(normal) = around.mirror_normal {
             boxes.push(("mirror box", Matrix3::from_columns(&[normal, Vector3::z().cross(&normal), Vector3::z()])));
         }
-        let (sin, cos) = math::sin_cos(tightest_rectangle(points));
+        let (sin, cos) = math::sin_cos(tightest_rectangle(&positions));
         let ahead = Vector3::new(cos, sin, 0.0);
         boxes.push(("upright box", Matrix3::from_columns(&[ahead, Vector3::z().cross(&ahead), Vector3::z()])));
     }
-    boxes.push(("principal box", principal_axes(points).0));
+    boxes.push(("principal box", principal_axes(&positions).0));
     boxes
 }
 
 /// All starts for a cloud in D.
-pub(crate) fn starts(points: &[Point3<f64>], around: &Surroundings, exponents: &[f64]) -> Vec<Start> {
+pub(crate) fn starts(points: &[(Point3<f64>, f64)], around: &Surroundings, exponents: &[f64]) -> Vec<Start> {
     let mut starts = Vec::new();
     for (name, axes) in boxes(points, around) {
         let [low, high] = extents(points, &axes, around.on_table);
@@ -67,7 +68,7 @@ pub(crate) fn starts(points: &[Point3<f64>], around: &Surroundings, exponents: &
 }
 
 /// Smallest and largest coordinates along three axes; an object on the table reaches down to it.
-fn extents(points: &[Point3<f64>], axes: &Matrix3<f64>, on_table: bool) -> [Vector3<f64>; 2] {
+fn extents(points: &[(Point3<f64>, f64)], axes: &Matrix3<f64>, on_table: bool) -> [Vector3<f64>; 2] {
     let mut low = Vector3::repeat(f64::INFINITY);
     let mut high = Vector3::repeat(f64::NEG_INFINITY);
     let mut include = |p: &Vector3<f64>| {
@@ -75,7 +76,7 @@ fn extents(points: &[Point3<f64>], axes: &Matrix3<f64>, on_table: bool) -> [Vect
         low = low.inf(&q);
         high = high.sup(&q);
     };
-    for p in points {
+    for (p, _) in points {
         include(&p.coords);
         if on_table {
             include(&Vector3::new(p.x, p.y, 0.0));
@@ -85,17 +86,22 @@ fn extents(points: &[Point3<f64>], axes: &Matrix3<f64>, on_table: bool) -> [Vect
 }
 
 /// Half the extents of the cloud in the axes of a candidate, metres.
-pub(crate) fn half_extents(points: &[Point3<f64>], around: &Surroundings, candidate: &Candidate) -> [f64; 3] {
+pub(crate) fn half_extents(points: &[(Point3<f64>, f64)], around: &Surroundings, candidate: &Candidate) -> [f64; 3] {
     let [low, high] = extents(points, &candidate.rotation(), around.on_table);
     (0.5 * (high - low)).into()
 }
 
 /// The box that the unknowns stay in, from the cloud's extents in the axes of a candidate.
-pub(crate) fn bounds(points: &[Point3<f64>], around: &Surroundings, candidate: &Candidate) -> Bounds {
+pub(crate) fn bounds(
+    points: &[(Point3<f64>, f64)],
+    around: &Surroundings,
+    candidate: &Candidate,
+    is_deformed: bool,
+) -> Bounds {
     let [low, high] = extents(points, &candidate.rotation(), around.on_table);
     let full = high - low;
     let longest = full.max();
-    let mut bounds = Bounds { lower: [0.0; BOUNDED], upper: [0.0; BOUNDED] };
+    let mut bounds = Bounds { lower: [0.0; VALUES], upper: [0.0; VALUES] };
     for k in 0..3 {
         // A cloud that shows one side only says little about its depth: half of that may be all there is.
         let most = if around.complete { 0.55 * full[k] } else { (1.1 * full[k]).max(0.55 * longest) };
@@ -107,6 +113,11 @@ pub(crate) fn bounds(points: &[Point3<f64>], around: &Surroundings, candidate: &
     }
     for k in 3..5 {
         [bounds.lower[k], bounds.upper[k]] = EXPONENTS;
+    }
+    if is_deformed {
+        // The candidate itself holds the curvature below what its semi-axes allow.
+        [bounds.lower[TAPER], bounds.upper[TAPER]] = [-1.0, 1.0];
+        [bounds.lower[BEND], bounds.upper[BEND]] = [-1e3, 1e3];
     }
     bounds
 }
@@ -215,6 +226,7 @@ mod tests {
             })
             .collect();
         let around = Surroundings { mirror_normal: None, on_table: true, complete: true };
+        let points: Vec<(Point3<f64>, f64)> = points.into_iter().map(|p| (p, 1.0)).collect();
         let all = starts(&points, &around, &[1.0]);
         assert_eq!(all.len(), 6);
         for start in &all {
