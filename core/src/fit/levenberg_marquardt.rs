@@ -186,8 +186,8 @@ mod tests {
 
     use super::*;
     use crate::fit::candidate::{PLAIN, VALUES};
-    use crate::fit::weighted::WeightedPoints;
     use crate::fit::types::ObjectiveKind;
+    use crate::fit::weighted::WeightedPoints;
     use crate::rng::Rng;
 
     const WIDE: Bounds = Bounds {
@@ -211,7 +211,13 @@ mod tests {
             let points = cloud_of(&truth);
             let off = truth.R_DS * UnitQuaternion::from_scaled_axis(rng.direction() * 0.15);
             let start = Candidate::new(axes.map(|a| a * 1.1), [1.0, 1.0], truth.center() + rng.direction() * 0.01, off);
-            let found = minimise::<PLAIN>(&Objective::new(&points, ObjectiveKind::Radial), &start, &WIDE, &LIMITS, Watch::idle());
+            let found = minimise::<PLAIN>(
+                &Objective::new(&points, ObjectiveKind::Radial),
+                &start,
+                &WIDE,
+                &LIMITS,
+                Watch::idle(),
+            );
             assert_eq!(found.stop, StopReason::Converged);
             for k in 0..VALUES {
                 // The cost ends below (1 nm)² per point; exponents move the surface by about a tenth of their change.
@@ -228,7 +234,8 @@ mod tests {
         let mut bounds = WIDE;
         bounds.upper[2] = 0.15;
         let start = Candidate { values: [0.05, 0.05, 0.1, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0], ..truth };
-        let found = minimise::<PLAIN>(&Objective::new(&points, ObjectiveKind::Radial), &start, &bounds, &LIMITS, Watch::idle());
+        let found =
+            minimise::<PLAIN>(&Objective::new(&points, ObjectiveKind::Radial), &start, &bounds, &LIMITS, Watch::idle());
         assert_eq!(found.candidate.values[2], 0.15);
         for k in 0..VALUES {
             assert!(found.candidate.values[k] >= bounds.lower[k] && found.candidate.values[k] <= bounds.upper[k]);

@@ -157,4 +157,3 @@ fn mirrored(
     };
     Ok((Some(mirroring), note))
 }
-

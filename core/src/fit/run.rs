@@ -56,11 +56,11 @@ mod tests {
     use crate::fit::levenberg_marquardt::{Limits, minimise};
     use crate::fit::objective::Objective;
     use crate::fit::starts::{Surroundings, bounds, starts};
+    use crate::fit::test_scenes::{Scene, standing, table};
     use crate::fit::types::{MirrorMode, ObjectiveKind};
     use crate::fit::weighted::WeightedPoints;
-    use crate::segment::Plane;
-    use crate::fit::test_scenes::{Scene, standing, table};
     use crate::rng::Rng;
+    use crate::segment::Plane;
     use crate::superquadric::Superquadric;
 
     fn fit_view(scene: &Scene) -> Fit {
@@ -160,7 +160,13 @@ mod tests {
         let costs: Vec<f64> = starts(&pairs, &around, &[1.0])
             .iter()
             .map(|s| {
-                minimise::<PLAIN>(&objective, &s.candidate, &bounds(&pairs, &around, &s.candidate, false), &limits, Watch::idle())
+                minimise::<PLAIN>(
+                    &objective,
+                    &s.candidate,
+                    &bounds(&pairs, &around, &s.candidate, false),
+                    &limits,
+                    Watch::idle(),
+                )
             })
             .map(|found| (found.cost / objective.total_weight()).sqrt())
             .collect();

@@ -82,11 +82,8 @@ impl<'a> Search<'a> {
     ) -> Minimum {
         let objective = Objective::new(weighted, self.settings.objective).standing_on(self.table);
         let open = self.around.on_table && !self.around.complete;
-        let objective = if open {
-            objective.drawn_to(half_extents(points, self.around, from), DRAWN_SHARE)
-        } else {
-            objective
-        };
+        let objective =
+            if open { objective.drawn_to(half_extents(points, self.around, from), DRAWN_SHARE) } else { objective };
         minimise::<N>(&objective, from, &bounds(points, self.around, from, N == DEFORMED), limits, self.watch)
     }
 
@@ -121,7 +118,9 @@ impl<'a> Search<'a> {
         tried.truncate(KEPT_STARTS);
 
         let refined = parallel::map(&tried, |(_, found)| run(&found.candidate, &longer));
-        history.extend(tried.iter().zip(&refined).map(|((start, _), found)| (format!("{}, on", start.name), found.clone())));
+        history.extend(
+            tried.iter().zip(&refined).map(|((start, _), found)| (format!("{}, on", start.name), found.clone())),
+        );
         let Some(mut best) = refined.into_iter().min_by(|p, q| p.cost.total_cmp(&q.cost)) else {
             return Err(FitRefusal::Stopped);
         };

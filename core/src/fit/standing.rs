@@ -34,7 +34,6 @@ pub(crate) fn standing_row<const N: usize>(candidate: &Candidate, plane: &Plane)
     (residual, row)
 }
 
-
 #[cfg(test)]
 mod tests {
     use nalgebra::Unit;
