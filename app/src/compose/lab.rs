@@ -180,7 +180,8 @@ fn add_points(frame: &mut Frame, lab: &LabContent<'_>, palette: &Palette) {
         inputs.push(*p_W);
         colors.push(shown(color));
     }
-    let between_lines = usize::from(lab.view == FitView::Wire);
+    let has_lines = lab.view == FitView::Wire || lab.automatic.is_some() || lab.trial.is_some();
+    let between_lines = usize::from(has_lines);
     add(inputs, colors, POINT_M[between_lines]);
     if lab.view != FitView::Error {
         add(lab.fit.mirrored.clone(), vec![shown(palette.mirrored)], MIRRORED_M[between_lines]);

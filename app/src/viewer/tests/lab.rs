@@ -6,7 +6,7 @@ use egui::{Key, Theme, Vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup};
-use endcomfort_core::fit::{DeformMode, FitSettings, ObjectiveKind};
+use endcomfort_core::fit::{DeformMode, FitSettings, MirrorMode, ObjectiveKind};
 use endcomfort_core::job::{Request, SetShape, Stage, Update};
 use endcomfort_core::pipeline::Pipeline;
 use image::RgbaImage;
@@ -381,4 +381,88 @@ fn dragging_a_number_moves_the_error_and_hovering_an_objective_draws_it() {
     harness.get_by_label_contains("Objective Solina").click();
     harness.run_steps(3);
     assert_eq!(harness.state().bench.page.state.scene().fit.objective, ObjectiveKind::Solina);
+}
+
+/// The panels alone, on invented results that hold everything at once.
+fn panels(page: LabPage) -> Harness<'static, Page> {
+    let mut state = super::invented::planned();
+    for command in [Command::SelectStep(Step::Stage(Stage::Fit)), Command::Lab(LabCommand::Page(page))] {
+        let _none = state.apply(command);
+    }
+    let mut harness = super::page(state, [1440.0, 1500.0], Theme::Dark);
+    harness.run_steps(2);
+    harness
+}
+
+#[test]
+fn the_result_page_tells_every_metric_and_points_the_view_at_rejected_points() {
+    let mut harness = panels(LabPage::Result);
+    for words in [
+        "E_r, mean radial distance: 0.820 mm",
+        "E_g (3.9), mean (f^e1 – 1)²: 0.0143",
+        "E_g of the tables, mean |f – 1|: 0.0871",
+        "Volume: 410 ml",
+        "Histogram: 95 % within",
+        "14 points left out of the fit: farther than 8.30 mm",
+        "Farthest: 21.0 mm outside",
+    ] {
+        assert_eq!(harness.query_all_by_label_contains(words).count(), 1, "{words}");
+    }
+    harness.get_by_label("Show them in the view").click();
+    harness.run_steps(2);
+    assert!(harness.state().state.lab_key().is_some_and(|lab| lab.points_out_rejected));
+    harness.get_by_label("Back to the whole cluster").click();
+    harness.run_steps(2);
+    assert!(harness.state().state.lab_key().is_some_and(|lab| !lab.points_out_rejected));
+}
+
+#[test]
+fn the_search_page_tells_models_and_runs() {
+    let harness = panels(LabPage::Search);
+    for words in ["taper", "BIC least", "Cost of 9 runs over their steps", "(taken)", "Compare objectives"] {
+        assert!(harness.query_all_by_label_contains(words).count() >= 1, "{words}");
+    }
+}
+
+#[test]
+fn every_setting_is_a_control_and_one_step_of_undo() {
+    let mut harness = panels(LabPage::Settings);
+    for (control, holds) in [
+        ("Chevalier", (|s| s.objective == ObjectiveKind::Chevalier) as fn(&FitSettings) -> bool),
+        ("Coarse to fine", |s| s.hierarchical),
+        ("Leave out points that nothing explains", |s| !s.reject_outliers),
+        ("Never", |s| s.mirror == MirrorMode::Off),
+        ("Auto", |s| s.deform == DeformMode::Auto),
+        ("3", |s| s.max_parts == 3),
+    ] {
+        harness
+            .get_by_role_and_label(
+                if control.contains(' ') { egui::Role::Switch } else { egui::Role::RadioButton },
+                control,
+            )
+            .click();
+        harness.run_steps(2);
+        assert!(holds(&harness.state().state.scene().fit), "{control}");
+        let asked = harness.state().effects.iter().rev().find_map(|effect| match effect {
+            Effect::Run(request) => Some((request.first, holds(&request.scene.fit))),
+            _ => None,
+        });
+        assert_eq!(asked, Some((Stage::Fit, true)), "{control}");
+    }
+    for _ in 0..6 {
+        harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::Z);
+        harness.run_steps(1);
+    }
+    assert_eq!(harness.state().state.scene().fit, FitSettings::default());
+}
+
+#[test]
+fn a_plan_that_the_new_shape_does_not_allow_leaves_the_person_in_the_lab() {
+    let mut bench = Bench::new("mustard");
+    let shape = bench.stretched(1.2);
+    let _run = bench.page.state.apply(Command::Lab(LabCommand::SetShape(shape)));
+    let refusal = endcomfort_core::job::Refusal { message: "no path".to_owned(), details: Vec::new() };
+    let revision = bench.page.state.revision;
+    let _announced = bench.page.state.receive(Update::Refused { revision, stage: Stage::Plan, refusal });
+    assert_eq!(bench.page.state.selection.step, Step::Stage(Stage::Fit));
 }

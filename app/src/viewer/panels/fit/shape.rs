@@ -60,6 +60,8 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, fit: &Fit, out: &mut Out) {
     let values = values(ui, &shape);
     let width = ui.available_width();
     let each = (width - 16.0) / 3.0;
+    // The button fits into the free place at the end of the last row, but not on a phone.
+    let is_wide = each >= 118.0;
     ui.add_space(10.0);
     for (row, fields) in ROWS.into_iter().enumerate() {
         ui.horizontal(|ui| {
@@ -80,14 +82,14 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, fit: &Fit, out: &mut Out) {
                     }
                 });
             }
-            if row == ROWS.len() - 1 {
-                cell(ui, each, "", |ui| {
-                    if secondary_button(ui, "Back to the fit", by_hand.is_some()).clicked() {
-                        out.push(Command::Lab(LabCommand::BackToFit));
-                    }
-                });
+            if is_wide && row == ROWS.len() - 1 {
+                cell(ui, each, "", |ui| back(ui, by_hand.is_some(), out));
             }
         });
+        ui.add_space(6.0);
+    }
+    if !is_wide {
+        back(ui, by_hand.is_some(), out);
         ui.add_space(6.0);
     }
     if let Some(reason) = &state.lab.refused {
@@ -98,6 +100,12 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, fit: &Fit, out: &mut Out) {
     let text = "Drag a number sideways, or click it and type. The Fit step answers while you drag; grasps and plan \
                 follow when you let go.";
     let _text = paragraph(ui, text, SECONDARY, tokens.secondary);
+}
+
+fn back(ui: &mut Ui, enabled: bool, out: &mut Out) {
+    if secondary_button(ui, "Back to the fit", enabled).clicked() {
+        out.push(Command::Lab(LabCommand::BackToFit));
+    }
 }
 
 /// A caption over something.
