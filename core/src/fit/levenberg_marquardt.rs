@@ -100,6 +100,7 @@ pub(crate) fn minimise<const N: usize>(
 }
 
 /// Solves `(H + λ diag H) δ = -g` for the unknowns that are free to move; `None` when H is not positive definite.
+#[expect(clippy::needless_range_loop, reason = "rows and columns of matrices, as in the formula")]
 fn damped_step<const N: usize>(
     candidate: &Candidate,
     at: &NormalEquations<N>,
@@ -136,13 +137,14 @@ fn damped_step<const N: usize>(
 /// Solves a symmetric positive definite system by Cholesky's decomposition, in place; `None` when it is not definite.
 ///
 /// Ours and not nalgebra's because its bits must not depend on the processor.
+#[expect(clippy::needless_range_loop, reason = "rows and columns of matrices, as in the formula")]
 fn solved<const N: usize>(matrix: &mut [[f64; N]; N], mut right: [f64; N]) -> Option<[f64; N]> {
     for j in 0..N {
         let mut pivot = matrix[j][j];
         for k in 0..j {
             pivot -= matrix[j][k] * matrix[j][k];
         }
-        if !(pivot > 0.0) {
+        if pivot.is_nan() || pivot <= 0.0 {
             return None;
         }
         let root = pivot.sqrt();

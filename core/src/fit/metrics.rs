@@ -19,6 +19,8 @@ pub struct FitErrors {
 }
 
 /// The errors of `superquadric` on points of its frame F; zero for no points.
+///
+/// For a tapered or bent shape they are measured before the deformation, as its author does.
 pub fn fit_errors(superquadric: &Superquadric, points: &[Point3<f64>]) -> FitErrors {
     let mut sums = [0.0; 3];
     let (gauge, e1) =
@@ -27,7 +29,7 @@ pub fn fit_errors(superquadric: &Superquadric, points: &[Point3<f64>]) -> FitErr
     for chunk in points.chunks(CHUNK) {
         let mut errors = [[0.0; CHUNK]; 3];
         for (k, p_F) in chunk.iter().enumerate() {
-            let p_S = X_SF.transform_point(p_F);
+            let p_S = superquadric.to_base(&X_SF.transform_point(p_F));
             let ln_rho = gauge.at([p_S.x, p_S.y, p_S.z]).ln_rho;
             let power = fast_exp(2.0 * ln_rho) - 1.0;
             errors[0][k] = (p_S.coords.norm() * (1.0 - fast_exp(-ln_rho))).abs();

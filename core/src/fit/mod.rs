@@ -11,6 +11,7 @@ mod frame;
 mod levenberg_marquardt;
 mod metrics;
 mod mirror;
+mod models;
 mod normal_equations;
 mod objective;
 mod prepare;
@@ -19,6 +20,7 @@ mod run;
 mod search;
 mod standing;
 mod starts;
+mod strays;
 #[cfg(test)]
 mod test_scenes;
 mod thin;

@@ -11,7 +11,7 @@ use super::view::View;
 use crate::segment::Plane;
 
 /// One more point than unknowns.
-const MIN_POINTS: usize = 12;
+pub(crate) const MIN_POINTS: usize = 12;
 /// Points that spread less than this across their main direction are a line, metres.
 const MIN_SPREAD_M: f64 = 0.0005;
 /// A cluster that its voxels thin below this many points gets a finer grid.

@@ -2,12 +2,21 @@
 
 use nalgebra::Point3;
 
-use super::candidate::PLAIN;
+use super::candidate::Candidate;
 use super::metrics::fit_errors;
-use super::prepare::{finite_points, prepare};
+use super::models::{Model, best_model};
+use super::objective::Objective;
+use super::prepare::{MIN_POINTS, Prepared, finite_points, prepare, thinned};
 use super::search::Search;
-use super::types::{Fit, FitInput, FitRefusal, FitSettings};
+use super::strays;
+use super::types::{Fit, FitInput, FitRefusal, FitSettings, ModelReport, ObjectiveKind, RejectedPoint, RunReport};
+use super::weighted::WeightedPoints;
 use crate::watch::Watch;
+
+/// Voxel sizes of the hierarchy, metres.
+const LEVELS_M: [f64; 5] = [0.03, 0.02375, 0.0175, 0.01125, 0.005];
+/// A level must lower the radial error by this share, or it is the last.
+const LEVEL_GAIN: f64 = 0.02;
 
 /// Fits a superquadric to a cluster: mirrored at the camera's evidence, from several starts, coarse to fine.
 ///
@@ -20,14 +29,15 @@ pub fn fit(input: FitInput<'_>, settings: &FitSettings, watch: Watch<'_>) -> Res
     watch.progress(0.0, "mirroring");
     let prepared = prepare(&input, settings)?;
     watch.progress(0.2, "trying starts");
-    let mut search = Search::new(&prepared, &prepared.points, settings, watch);
-    let coarse = search.coarse_best()?;
-    watch.progress(0.8, "fitting all points");
-    let best = search.fine::<PLAIN>(coarse, "best on all points")?;
-    let runs = search.runs;
-    let superquadric = best.superquadric(&prepared.X_FD);
+    let found = if settings.hierarchical {
+        fit_levels(&prepared, settings, watch)?
+    } else {
+        fit_once(&prepared, &prepared.points, settings, watch)?
+    };
+    let superquadric = found.candidate.superquadric(&prepared.X_FD);
     let finite: Vec<Point3<f64>> = finite_points(input.points);
     let errors = fit_errors(&superquadric, &finite);
+    let rejected = if settings.reject_outliers { rejected(&prepared, &found.candidate) } else { Vec::new() };
     watch.progress(1.0, "fitted");
     Ok(Fit {
         superquadric,
@@ -35,16 +45,102 @@ pub fn fit(input: FitInput<'_>, settings: &FitSettings, watch: Watch<'_>) -> Res
         goodness_of_fit: errors.goodness_of_fit,
         goodness_of_fit_abs: errors.goodness_of_fit_abs,
         volume_m3: superquadric.volume(),
-        iterations: runs.iter().map(|run| run.iterations).sum(),
+        iterations: found.runs.iter().map(|run| run.iterations).sum(),
         points: input.points.len(),
-        used_points: prepared.points.len(),
+        used_points: found.used_points,
         mirrored: prepared.mirrored_D.iter().map(|p| prepared.X_FD * p).collect(),
         mirror_note: prepared.mirror_note,
-        runs,
-        rejected: Vec::new(),
-        models: Vec::new(),
+        runs: found.runs,
+        rejected,
+        models: found.models,
         others: Vec::new(),
     })
+}
+
+/// What a search gave.
+struct Found {
+    candidate: Candidate,
+    model: Model,
+    runs: Vec<RunReport>,
+    models: Vec<ModelReport>,
+    used_points: usize,
+}
+
+/// The fit at one voxel size: search on few points, again without those that stand alone if there are too many, then
+/// the deformation that pays, then all points.
+fn fit_once(
+    prepared: &Prepared,
+    points: &[(Point3<f64>, f64)],
+    settings: &FitSettings,
+    watch: Watch<'_>,
+) -> Result<Found, FitRefusal> {
+    let mut search = Search::new(prepared, points, settings, watch);
+    let first = search.coarse_best()?;
+    let is_spoiled = settings.reject_outliers && strays::are_suspected(&search.residuals(&search.coarse, &first));
+    let company = if is_spoiled { strays::in_company(points) } else { Vec::new() };
+    if is_spoiled && company.len() >= MIN_POINTS && company.len() < points.len() {
+        let runs = std::mem::take(&mut search.runs);
+        let mut again = Search::new(prepared, &company, settings, watch);
+        again.runs = runs;
+        let second = again.coarse_best()?;
+        return finished(again, second, settings, watch);
+    }
+    finished(search, first, settings, watch)
+}
+
+fn finished(
+    mut search: Search<'_>,
+    plain: Candidate,
+    settings: &FitSettings,
+    watch: Watch<'_>,
+) -> Result<Found, FitRefusal> {
+    let (model, coarse, models) = best_model(&mut search, plain, settings.deform)?;
+    watch.progress(0.8, "fitting all points");
+    let candidate = search.fine(coarse, model, "best on all points")?;
+    Ok(Found { candidate, model, used_points: search.points.len(), runs: search.runs, models })
+}
+
+/// Coarse to fine (Duncan et al. 2013): voxels of 0.03 to 0.005 m, each level from the last one's shape, until the
+/// radial error of the whole cloud stops falling.
+fn fit_levels(prepared: &Prepared, settings: &FitSettings, watch: Watch<'_>) -> Result<Found, FitRefusal> {
+    let radial_of = |candidate: &Candidate| {
+        let shape = candidate.superquadric(&nalgebra::Isometry3::identity());
+        fit_errors(&shape, &prepared.seen).radial_m
+    };
+    let coarsest = thinned(&prepared.seen, &prepared.mirrored_D, LEVELS_M[0]);
+    let mut found = fit_once(prepared, &coarsest, settings, watch)?;
+    let mut radial_m = radial_of(&found.candidate);
+    for (level, voxel_m) in LEVELS_M.iter().enumerate().skip(1) {
+        watch.progress(0.3 + 0.12 * level as f64, "refining the voxels");
+        let points = thinned(&prepared.seen, &prepared.mirrored_D, *voxel_m);
+        let mut search = Search::new(prepared, &points, settings, watch);
+        let name = format!("level {} of {}, voxels of {:.1} mm", level + 1, LEVELS_M.len(), voxel_m * 1e3);
+        let candidate = search.fine(found.candidate, found.model, &name)?;
+        found.runs.append(&mut search.runs);
+        let next_m = radial_of(&candidate);
+        let is_better = next_m < radial_m;
+        if is_better {
+            found.candidate = candidate;
+            found.used_points = points.len();
+        }
+        if radial_m - next_m < LEVEL_GAIN * radial_m {
+            break;
+        }
+        radial_m = next_m;
+    }
+    Ok(found)
+}
+
+/// The seen points that are too far from the shape to belong to it, in F.
+fn rejected(prepared: &Prepared, candidate: &Candidate) -> Vec<RejectedPoint> {
+    let seen: Vec<(Point3<f64>, f64)> = prepared.seen.iter().map(|p| (*p, 1.0)).collect();
+    let residuals = Objective::new(&WeightedPoints::new(&seen), ObjectiveKind::Radial).residuals(candidate);
+    let limit_m = strays::limit_m(&residuals);
+    seen.iter()
+        .zip(&residuals)
+        .filter(|(_, residual)| residual.normal_m.abs() > limit_m)
+        .map(|((p, _), residual)| RejectedPoint { p_F: prepared.X_FD * p, distance_m: residual.normal_m, limit_m })
+        .collect()
 }
 
 #[cfg(test)]
@@ -54,11 +150,9 @@ mod tests {
     use super::*;
     use crate::fit::candidate::PLAIN;
     use crate::fit::levenberg_marquardt::{Limits, minimise};
-    use crate::fit::objective::Objective;
     use crate::fit::starts::{Surroundings, bounds, starts};
     use crate::fit::test_scenes::{Scene, standing, table};
-    use crate::fit::types::{MirrorMode, ObjectiveKind};
-    use crate::fit::weighted::WeightedPoints;
+    use crate::fit::types::MirrorMode;
     use crate::rng::Rng;
     use crate::segment::Plane;
     use crate::superquadric::Superquadric;
@@ -163,7 +257,7 @@ mod tests {
                 minimise::<PLAIN>(
                     &objective,
                     &s.candidate,
-                    &bounds(&pairs, &around, &s.candidate, false),
+                    &bounds(&pairs, &around, &s.candidate, [false; 2]),
                     &limits,
                     Watch::idle(),
                 )

@@ -4,12 +4,13 @@ use nalgebra::Point3;
 
 use super::candidate::{Candidate, DEFORMED, PLAIN};
 use super::levenberg_marquardt::{Limits, Minimum, minimise};
-use super::objective::Objective;
+use super::models::Model;
+use super::objective::{Objective, Residual};
 use super::prepare::Prepared;
 use super::robust::reweighted;
 use super::starts::{Start, Surroundings, bounds, half_extents, similar, starts};
 use super::thin::every_nth;
-use super::types::{FitRefusal, FitSettings, RunReport, StopReason};
+use super::types::{FitRefusal, FitSettings, ObjectiveKind, RunReport, StopReason};
 use super::weighted::WeightedPoints;
 use crate::parallel;
 use crate::segment::Plane;
@@ -41,6 +42,8 @@ pub(crate) struct Search<'a> {
     table: Option<(Plane, f64)>,
     settings: &'a FitSettings,
     watch: Watch<'a>,
+    /// Whether taper and bend are free.
+    frees: [bool; 2],
     pub(crate) runs: Vec<RunReport>,
 }
 
@@ -59,6 +62,7 @@ impl<'a> Search<'a> {
             table: prepared.table.map(|plane| (plane, STANDING_SHARE)),
             settings,
             watch,
+            frees: [false; 2],
             runs: Vec::new(),
         }
     }
@@ -84,7 +88,7 @@ impl<'a> Search<'a> {
         let open = self.around.on_table && !self.around.complete;
         let objective =
             if open { objective.drawn_to(half_extents(points, self.around, from), DRAWN_SHARE) } else { objective };
-        minimise::<N>(&objective, from, &bounds(points, self.around, from, N == DEFORMED), limits, self.watch)
+        minimise::<N>(&objective, from, &bounds(points, self.around, from, self.frees), limits, self.watch)
     }
 
     fn note(&mut self, name: &str, points: &[(Point3<f64>, f64)], found: &Minimum) {
@@ -148,11 +152,47 @@ impl<'a> Search<'a> {
         Ok(best.candidate)
     }
 
+    /// The objective that is minimised.
+    pub(crate) fn objective_kind(&self) -> ObjectiveKind {
+        self.settings.objective
+    }
+
+    /// Distances of points from a candidate.
+    pub(crate) fn residuals(&self, points: &[(Point3<f64>, f64)], candidate: &Candidate) -> Vec<Residual> {
+        Objective::new(&WeightedPoints::new(points), self.settings.objective).residuals(candidate)
+    }
+
     /// The shape on all points, from one that is nearly right.
     ///
     /// # Errors
     /// [`FitRefusal::Stopped`].
-    pub(crate) fn fine<const N: usize>(&mut self, from: Candidate, name: &str) -> Result<Candidate, FitRefusal> {
+    pub(crate) fn fine(&mut self, from: Candidate, model: Model, name: &str) -> Result<Candidate, FitRefusal> {
+        self.frees = model.frees();
+        if model == Model::Plain { self.fine_over::<PLAIN>(from, name) } else { self.fine_over::<DEFORMED>(from, name) }
+    }
+
+    /// A deformed shape on some points, from a start that is deformed a little.
+    ///
+    /// # Errors
+    /// [`FitRefusal::Stopped`].
+    pub(crate) fn deformed(
+        &mut self,
+        points: &[(Point3<f64>, f64)],
+        start: Candidate,
+        model: Model,
+        rounds: usize,
+        name: &str,
+    ) -> Result<Candidate, FitRefusal> {
+        self.frees = model.frees();
+        let found = self.run::<DEFORMED>(points, &start, &self.limits(40, 1e-4));
+        self.note(name, points, &found);
+        if self.settings.reject_outliers {
+            return self.refined::<DEFORMED>(points, found.candidate, rounds, name);
+        }
+        if found.stop == StopReason::Stopped { Err(FitRefusal::Stopped) } else { Ok(found.candidate) }
+    }
+
+    fn fine_over<const N: usize>(&mut self, from: Candidate, name: &str) -> Result<Candidate, FitRefusal> {
         let points = self.points;
         if self.settings.reject_outliers {
             return self.refined::<N>(points, from, FINE_ROUNDS, name);
@@ -163,7 +203,7 @@ impl<'a> Search<'a> {
     }
 
     /// Rounds of new weights, each followed by a run.
-    pub(crate) fn refined<const N: usize>(
+    fn refined<const N: usize>(
         &mut self,
         points: &[(Point3<f64>, f64)],
         from: Candidate,

@@ -96,7 +96,7 @@ pub(crate) fn bounds(
     points: &[(Point3<f64>, f64)],
     around: &Surroundings,
     candidate: &Candidate,
-    is_deformed: bool,
+    frees: [bool; 2],
 ) -> Bounds {
     let [low, high] = extents(points, &candidate.rotation(), around.on_table);
     let full = high - low;
@@ -114,10 +114,11 @@ pub(crate) fn bounds(
     for k in 3..5 {
         [bounds.lower[k], bounds.upper[k]] = EXPONENTS;
     }
-    if is_deformed {
-        // The candidate itself holds the curvature below what its semi-axes allow.
-        [bounds.lower[TAPER], bounds.upper[TAPER]] = [-1.0, 1.0];
-        [bounds.lower[BEND], bounds.upper[BEND]] = [-1e3, 1e3];
+    // The candidate itself holds taper and curvature below what its semi-axes allow.
+    for (value, is_free) in [TAPER, BEND].into_iter().zip(frees) {
+        if is_free {
+            [bounds.lower[value], bounds.upper[value]] = [f64::NEG_INFINITY, f64::INFINITY];
+        }
     }
     bounds
 }

@@ -1,6 +1,6 @@
 //! Where the found object shall go: the task speaks of the described object, the robot holds its fit.
 
-use nalgebra::{Isometry3, Translation3};
+use nalgebra::{Isometry3, Translation3, Vector3};
 
 use crate::scene::{Scene, Task};
 use crate::superquadric::Superquadric;
@@ -22,7 +22,7 @@ pub(super) fn goal_pose(scene: &Scene, fitted: &Superquadric, is_dropped: bool) 
     } else {
         X_WO_goal * X_WO_start.inverse() * X_WS
     };
-    let lowest = moved.translation.z - Superquadric { X_FS: moved, ..*fitted }.half_extents().z;
+    let lowest = moved.translation.z - Superquadric { X_FS: moved, ..*fitted }.support(&-Vector3::z());
     let lift = support_height(scene, &moved) + SETTLE_GAP_M - lowest;
     Some(Translation3::new(0.0, 0.0, lift) * moved)
 }

@@ -64,6 +64,13 @@ impl Bend {
         Straightened { p: Point3::new(p.x, y, z), stretch, cos: u / stretch, sin: v / stretch }
     }
 
+    /// What [`Bend::straightened`] gives for the bent place of a point of the body.
+    #[inline(always)]
+    pub(super) fn straight(&self, p: &Point3<f64>) -> Straightened {
+        let (sin, cos) = math::sin_cos(self.per_m * p.z);
+        Straightened { p: *p, stretch: (1.0 - self.per_m * p.y).max(LEAST_STRETCH), cos, sin }
+    }
+
     /// ∂(straightened point)/∂κ at a bent point, m².
     #[inline(always)]
     pub(super) fn straightened_by_curvature(&self, p: &Point3<f64>, at: &Straightened) -> Vector3<f64> {

@@ -19,6 +19,7 @@ pub(crate) struct Deformation {
 
 /// A point before taper and bend, with the derivatives of that map.
 #[derive(Clone, Copy, Debug)]
+#[allow(dead_code, reason = "the fit reads ∂p_0/∂p_S")]
 pub(crate) struct Undeformed {
     /// The base point p_0, metres.
     pub(crate) p_0: Point3<f64>,
@@ -50,6 +51,11 @@ impl Deformation {
         Self { taper: Taper::new(taper, c), bend: Bend { per_m: bend_per_m } }
     }
 
+    /// The bend alone.
+    pub(super) fn bend(&self) -> &Bend {
+        &self.bend
+    }
+
     /// The point of S where the base point p_0 ends up.
     #[inline(always)]
     pub(crate) fn deformed(&self, p_0: &Point3<f64>) -> Point3<f64> {
@@ -68,6 +74,13 @@ impl Deformation {
         let tapered = self.bend.straightened(p_S);
         let (p_0, scale) = self.taper.straightened(&tapered.p);
         BasePoint { p_0, tapered, scale }
+    }
+
+    /// What [`Deformation::base_point`] gives for the deformed place of a base point of the body.
+    #[inline(always)]
+    pub(super) fn at_base(&self, p_0: &Point3<f64>) -> BasePoint {
+        let p = self.taper.tapered(p_0);
+        BasePoint { p_0: *p_0, tapered: self.bend.straight(&p), scale: self.taper.scale(p_0.z) }
     }
 
     /// The base point of a point of S with its derivatives by the point and by K, κ and c: what a fit needs.
@@ -103,8 +116,26 @@ impl BasePoint {
 
 impl Superquadric {
     /// Taper and bend of this shape.
+    #[inline]
     pub(crate) fn deformation(&self) -> Deformation {
         Deformation::new(self.taper, self.bend_per_m, self.c)
+    }
+
+    /// The base point of a point of the axes S: where it was before taper and bend; itself for a plain shape.
+    pub fn to_base(&self, p_S: &Point3<f64>) -> Point3<f64> {
+        if self.is_deformed() { self.deformation().undeformed(p_S) } else { *p_S }
+    }
+
+    /// Where taper and bend take a base point, in S.
+    pub fn from_base(&self, p_0: &Point3<f64>) -> Point3<f64> {
+        if self.is_deformed() { self.deformation().deformed(p_0) } else { *p_0 }
+    }
+
+    /// The gradient in S, at the place of a base point of the body, of a function with gradient `g` there in the base.
+    ///
+    /// `J⁻ᵀ g` with the deformation's Jacobian J: takes normals to normals (Barr 1984), not to unit length.
+    pub(super) fn gradient_from_base(&self, p_0: &Point3<f64>, g: &Vector3<f64>) -> Vector3<f64> {
+        if self.is_deformed() { self.deformation().at_base(p_0).gradient_in_axes(g) } else { *g }
     }
 }
 

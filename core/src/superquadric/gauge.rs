@@ -81,15 +81,15 @@ impl AxesGauge {
 }
 
 impl Superquadric {
-    /// The gauge of this shape at a point of its axes.
+    /// The gauge of the base shape, before taper and bend, at a base point.
     #[inline]
-    pub(crate) fn gauge(&self, p_S: &Point3<f64>) -> LogGauge {
-        AxesGauge::new([self.a, self.b, self.c], [self.e1, self.e2]).at([p_S.x, p_S.y, p_S.z])
+    pub(crate) fn base_gauge(&self, p_0: &Point3<f64>) -> LogGauge {
+        AxesGauge::new([self.a, self.b, self.c], [self.e1, self.e2]).at([p_0.x, p_0.y, p_0.z])
     }
 }
 
 impl LogGauge {
-    /// ∂ln ρ/∂p_S as a vector.
+    /// ∂ln ρ/∂p as a vector.
     #[inline(always)]
     pub(crate) fn gradient(&self) -> Vector3<f64> {
         Vector3::new(self.gradient[0], self.gradient[1], self.gradient[2])

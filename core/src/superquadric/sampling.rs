@@ -13,6 +13,10 @@ const MAX_STEPS: f64 = 2000.0;
 /// Two samples are never closer than this part of the spacing: what is left of the poles, where rings meet, and of
 /// the short sides of flat shapes.
 const CLOSEST: f64 = 0.7;
+/// The same on deformed shapes, where samples are thrown out of many: leaves one sample per spacing squared.
+const CLOSEST_THROWN: f64 = 0.95;
+/// Points to choose from, per spacing.
+const CHOICE: f64 = 4.0;
 
 /// A surface point with its outward normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,11 +42,17 @@ impl Superquadric {
     /// around each ring the section with e2, in a number of steps that fits the ring's own length. Where rings come
     /// closer than the spacing (poles, short sides of flat shapes) samples nearer than 0.7 spacings to an earlier one
     /// are left out. The set is symmetric about the three axis planes except for those left out.
+    ///
+    /// Taper and bend stretch a surface unevenly, so a deformed one is covered by such rings several times finer, and
+    /// of their points each that is at least 0.95 spacings from all earlier ones is taken: the same order, no symmetry.
     pub fn samples_spaced(&self, spacing_m: f64) -> Vec<SurfaceSample> {
         let section = QuarterArc::new(self.a, self.b, self.e2);
         let profile = QuarterArc::new(section.largest_radius_m, self.c, self.e1);
         let shortest_m = profile.length_m().max(section.length_m()) / MAX_STEPS;
         let spacing_m = if spacing_m.is_finite() { spacing_m.max(shortest_m) } else { profile.length_m() };
+        if self.is_deformed() {
+            return self.thrown_samples(&section, &profile, spacing_m);
+        }
 
         let latitudes = profile.equal_steps(steps(profile.length_m(), spacing_m));
         let mut taken = Spread::new(CLOSEST * spacing_m);
@@ -53,15 +63,42 @@ impl Superquadric {
                 for [u, v] in &around {
                     let p_S = Point3::new(self.a * ring * u, self.b * ring * v, self.c * height * side);
                     if taken.add(&p_S) {
-                        let p_F = self.X_FS * p_S;
-                        let n_S = self.gauge(&p_S).gradient();
-                        let n_F = self.X_FS.rotation * n_S.try_normalize(0.0).unwrap_or_else(Vector3::z);
-                        samples.push(SurfaceSample { p_F, n_F });
+                        samples.push(self.sample_at(&p_S));
                     }
                 }
             }
         }
         samples
+    }
+
+    /// Samples of a tapered or bent shape.
+    fn thrown_samples(&self, section: &QuarterArc, profile: &QuarterArc, spacing_m: f64) -> Vec<SurfaceSample> {
+        let fine_m = spacing_m / CHOICE;
+        // How much longer the profile can get: wider, slanted and around the outside of the bend.
+        let widest = 1.0 + self.taper.abs();
+        let slanted = widest + self.taper.abs() * section.largest_radius_m / self.c;
+        let stretched = slanted * (1.0 + self.bend_per_m.abs() * self.b * widest);
+        let mut taken = Spread::new(CLOSEST_THROWN * spacing_m);
+        let mut samples = Vec::new();
+        for [ring, height] in profile.equal_steps(steps(profile.length_m() * stretched, fine_m)) {
+            for side in if height > 0.0 { &[1.0, -1.0][..] } else { &[1.0][..] } {
+                let scale = 1.0 + self.taper * height * side;
+                for [u, v] in ring_points(section, ring, fine_m / scale) {
+                    let p_0 = Point3::new(self.a * ring * u, self.b * ring * v, self.c * height * side);
+                    if taken.add(&self.from_base(&p_0)) {
+                        samples.push(self.sample_at(&p_0));
+                    }
+                }
+            }
+        }
+        samples
+    }
+
+    /// The sample at a point of the base surface.
+    fn sample_at(&self, p_0: &Point3<f64>) -> SurfaceSample {
+        let n_S = self.gradient_from_base(p_0, &self.base_gauge(p_0).gradient());
+        let n_F = self.X_FS.rotation * n_S.try_normalize(0.0).unwrap_or_else(Vector3::z);
+        SurfaceSample { p_F: self.X_FS * self.from_base(p_0), n_F }
     }
 }
 
@@ -116,6 +153,7 @@ mod tests {
 
     use nalgebra::{Isometry3, Translation3};
 
+    use super::super::bend_limit_per_m;
     use super::*;
     use crate::rng::Rng;
 
@@ -135,14 +173,62 @@ mod tests {
         shapes
     }
 
+    fn deformed_shapes() -> Vec<Superquadric> {
+        let mut rng = Rng::new(23, 0);
+        let deform = |plain: Superquadric, taper: f64| {
+            let most = bend_limit_per_m(plain.b, plain.c, taper);
+            plain.deformed(taper, 0.9 * most * rng.uniform(-1.0, 1.0)).unwrap()
+        };
+        shapes()
+            .into_iter()
+            .zip([0.0, 0.4, -0.7, 0.9].into_iter().cycle())
+            .map({
+                let mut deform = deform;
+                move |(plain, taper)| deform(plain, taper)
+            })
+            .collect()
+    }
+
     #[test]
     fn samples_lie_on_the_surface_with_outward_unit_normals() {
-        for s in shapes() {
+        for s in shapes().into_iter().chain(deformed_shapes()) {
             for q in s.samples(30) {
                 assert!(s.ln_inside_outside(&s.to_axes(&q.p_F)).abs() < 1e-8, "{s:?}");
                 assert!((q.n_F.norm() - 1.0).abs() < 1e-12);
-                assert!(q.n_F.dot(&(q.p_F - s.X_FS.translation.vector).coords) > 0.0);
+                assert!(!s.contains(&(q.p_F + q.n_F * 1e-7)));
             }
+        }
+    }
+
+    #[test]
+    fn samples_of_deformed_shapes_are_as_evenly_spread() {
+        for s in deformed_shapes() {
+            let spacing_m = 0.008;
+            let samples = s.samples_spaced(spacing_m);
+            let mut nearest: Vec<f64> = samples
+                .iter()
+                .enumerate()
+                .map(|(i, p)| {
+                    let others = samples.iter().enumerate().filter(|(j, _)| *j != i);
+                    others.map(|(_, q)| (p.p_F - q.p_F).norm()).min_by(f64::total_cmp).unwrap()
+                })
+                .collect();
+            nearest.sort_by(f64::total_cmp);
+            let quantile = |share: f64| nearest[(share * (nearest.len() - 1) as f64) as usize] / spacing_m;
+            assert!(quantile(0.0) >= CLOSEST_THROWN - 1e-9, "{} {s:?}", quantile(0.0));
+            assert!(quantile(0.99) <= 1.15, "{} {s:?}", quantile(0.99));
+            // One sample per spacing squared of the surface, which a mesh of 3 mm measures.
+            let mesh = s.mesh(24);
+            let area: f64 = mesh
+                .triangles
+                .iter()
+                .map(|t| {
+                    let [p, q, r] = t.map(|i| mesh.positions[i as usize]);
+                    0.5 * (q - p).cross(&(r - p)).norm()
+                })
+                .sum();
+            let share = samples.len() as f64 * spacing_m * spacing_m / area;
+            assert!((share - 1.0).abs() < 0.1, "{share} {} {s:?}", samples.len());
         }
     }
 
@@ -169,7 +255,7 @@ mod tests {
     #[test]
     fn no_part_of_the_surface_is_left_bare() {
         let mut rng = Rng::new(22, 0);
-        for s in shapes() {
+        for s in shapes().into_iter().chain(deformed_shapes()) {
             let samples = s.samples_spaced(0.01);
             for _ in 0..200 {
                 let p = s.point(rng.uniform(-FRAC_PI_2, FRAC_PI_2), rng.uniform(-PI, PI));

@@ -22,7 +22,9 @@ pub fn bend_limit_per_m(b: f64, c: f64, taper: f64) -> f64 {
 
 /// A superquadric (3.1): `((x/a)^(2/e2) + (y/b)^(2/e2))^(e2/e1) + (z/c)^(2/e1) = 1` in its axes S.
 ///
-/// z is the axis of `e1`; `e2` shapes the x–y section. Values read from a file pass through [`Superquadric::new`].
+/// z is the axis of `e1`; `e2` shapes the x–y section. This base shape is tapered, then bent:
+/// `(x, y, z) → (s x, s y, z)` with `s = 1 + K z/c`, then `(x, R - (R - y) cos κz, (R - y) sin κz)` with `R = 1/κ`.
+/// Values read from a file pass through [`Superquadric::new`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Parameters")]
 pub struct Superquadric {
@@ -40,7 +42,7 @@ pub struct Superquadric {
     pub X_FS: Isometry3<f64>,
     /// Taper K along z: sections are scaled by `1 + K z/c`; 0 leaves them alone.
     pub taper: f64,
-    /// Curvature κ of the bend in the y–z plane, 1/m; 0 is straight.
+    /// Curvature κ of the bend in the y–z plane, 1/m: towards +y when positive; 0 is straight.
     pub bend_per_m: f64,
 }
 

@@ -99,7 +99,7 @@ fn polar(entry: f64) -> f64 {
 }
 
 /// The point of the unit superellipse at a polar angle in [0, π/2].
-fn unit_point(phi_rad: f64, e: f64) -> UnitPoint {
+pub(super) fn unit_point(phi_rad: f64, e: f64) -> UnitPoint {
     if phi_rad <= 0.0 {
         return [1.0, 0.0];
     }

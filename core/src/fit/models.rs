@@ -1,0 +1,153 @@
+//! Which deformation pays: plain, tapered, bent or both, compared by the Bayesian information criterion.
+//!
+//! `BIC = n ln(MS + σ₀²) + k ln n` with MS the truncated mean square of the distances along the normal on the n points
+//! of the coarse search, k the number of unknowns, and σ₀ = 1 mm: what lies below that, no depth camera at arm's length
+//! could tell. The least value wins; a deformation must so lower the error by more than its unknowns would by chance.
+
+use super::candidate::{BEND, Candidate, DEFORMED, PLAIN, TAPER};
+use super::objective::Objective;
+use super::robust::{sigma_m, truncated_mean_square};
+use super::search::Search;
+use super::starts::similar;
+use super::types::{DeformMode, FitRefusal, ModelReport};
+use super::weighted::WeightedPoints;
+
+/// σ₀ above, metres.
+const NOISE_FLOOR_M: f64 = 0.001;
+/// Distances count up to this many σ of the plain fit.
+const TRUNCATED_SIGMAS: f64 = 4.0;
+/// Tapers and bends (in turns of the half length, radians) from which a deformed fit starts.
+const START_TAPERS: [f64; 2] = [0.3, -0.3];
+const START_BENDS_RAD: [f64; 2] = [0.4, -0.4];
+/// Rounds of new weights per deformed start.
+const ROUNDS: usize = 3;
+
+/// A deformation that may be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Model {
+    Plain,
+    Taper,
+    Bend,
+    Both,
+}
+
+impl Model {
+    /// The models that a mode compares.
+    pub(crate) fn of(mode: DeformMode) -> &'static [Self] {
+        match mode {
+            DeformMode::None => &[Self::Plain],
+            DeformMode::Taper => &[Self::Taper],
+            DeformMode::Bend => &[Self::Bend],
+            DeformMode::Both => &[Self::Both],
+            DeformMode::Auto => &[Self::Plain, Self::Taper, Self::Bend, Self::Both],
+        }
+    }
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Plain => "plain",
+            Self::Taper => "taper",
+            Self::Bend => "bend",
+            Self::Both => "taper and bend",
+        }
+    }
+
+    fn unknowns(self) -> f64 {
+        match self {
+            Self::Plain => PLAIN as f64,
+            Self::Taper | Self::Bend => PLAIN as f64 + 1.0,
+            Self::Both => DEFORMED as f64,
+        }
+    }
+
+    /// Which of taper and bend are free.
+    pub(crate) fn frees(self) -> [bool; 2] {
+        [matches!(self, Self::Taper | Self::Both), matches!(self, Self::Bend | Self::Both)]
+    }
+}
+
+/// The criterion of a fit: mean square in m², number of points, unknowns.
+pub(crate) fn bic(mean_square: f64, points: usize, unknowns: f64) -> f64 {
+    let n = points.max(1) as f64;
+    n * crate::math::ln(mean_square + NOISE_FLOOR_M * NOISE_FLOOR_M) + unknowns * crate::math::ln(n)
+}
+
+/// The best model on the coarse points, from the plain shape that was found there.
+///
+/// # Errors
+/// [`FitRefusal::Stopped`].
+pub(crate) fn best_model(
+    search: &mut Search<'_>,
+    plain: Candidate,
+    mode: DeformMode,
+) -> Result<(Model, Candidate, Vec<ModelReport>), FitRefusal> {
+    let models = Model::of(mode);
+    if models == [Model::Plain] {
+        return Ok((Model::Plain, plain, Vec::new()));
+    }
+    let coarse = search.coarse.clone();
+    let laid_out = WeightedPoints::new(&coarse);
+    let kind = search.objective_kind();
+    let residuals = |candidate: &Candidate| Objective::new(&laid_out, kind).residuals(candidate);
+    let limit_m = TRUNCATED_SIGMAS * sigma_m(&residuals(&plain)).max(NOISE_FLOOR_M);
+    let mean_square = |candidate: &Candidate| truncated_mean_square(&residuals(candidate), &coarse, limit_m);
+
+    let mut reports = Vec::new();
+    let mut best: Option<(f64, Model, Candidate)> = None;
+    for &model in models {
+        let mut found = (mean_square(&plain), plain);
+        if model != Model::Plain {
+            let mut first = true;
+            for start in deformed_starts(&plain, model) {
+                let name = format!("{} start", model.name());
+                let candidate = search.deformed(&coarse, start, model, ROUNDS, &name)?;
+                let score = mean_square(&candidate);
+                if first || score < found.0 {
+                    found = (score, candidate);
+                    first = false;
+                }
+            }
+        }
+        let criterion = bic(found.0, coarse.len(), model.unknowns());
+        reports.push(ModelReport { name: model.name().to_owned(), criterion, rms_m: found.0.sqrt(), is_chosen: false });
+        if best.as_ref().is_none_or(|(least, ..)| criterion < *least) {
+            best = Some((criterion, model, found.1));
+        }
+    }
+    let Some((_, model, candidate)) = best else { return Ok((Model::Plain, plain, reports)) };
+    for report in &mut reports {
+        report.is_chosen = report.name == model.name();
+    }
+    Ok((model, candidate, reports))
+}
+
+/// Every axis of the plain shape once as z, bent towards either of the others and tapered either way.
+fn deformed_starts(plain: &Candidate, model: Model) -> Vec<Candidate> {
+    let mut bases = vec![*plain];
+    bases.extend(similar(plain).into_iter().take(2).map(|(_, twin)| twin));
+    let [tapers, bends] = model.frees();
+    let mut starts = Vec::new();
+    for base in bases {
+        let sides = if bends { vec![base, quarter_turned(&base)] } else { vec![base] };
+        for side in sides {
+            for sense in 0..2 {
+                let mut start = side;
+                if bends {
+                    start.values[BEND] = START_BENDS_RAD[sense] / side.axes()[2];
+                }
+                if tapers && !bends {
+                    start.values[TAPER] = START_TAPERS[sense];
+                }
+                starts.push(start);
+            }
+        }
+    }
+    starts
+}
+
+/// The same shape with x and y exchanged: the bend of a superquadric is always towards its own y.
+fn quarter_turned(candidate: &Candidate) -> Candidate {
+    let [a, b, c] = candidate.axes();
+    let turn = nalgebra::UnitQuaternion::from_axis_angle(&nalgebra::Vector3::z_axis(), std::f64::consts::FRAC_PI_2);
+    Candidate::new([b, a, c], candidate.exponents(), candidate.center(), candidate.R_DS * turn)
+}
