@@ -198,6 +198,11 @@ async function main() {
     play: () => program.set_playing(true),
     pause: () => program.set_playing(false),
     seek: program.seek,
+    select_step: program.select_step,
+    compare_objectives: program.compare_objectives,
+    set_shape: (parameters) => program.set_shape(JSON.stringify(parameters)),
+    undo: program.undo,
+    redo: program.redo,
     first_picture_ms: await firstPicture(program),
   };
   if (!hasFailed()) {

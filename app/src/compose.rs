@@ -1,10 +1,10 @@
 //! From the pipeline's results to a draw list: which bodies, points and lines show what the robot knows and does.
 
+mod lab;
 mod palette;
 
 use std::sync::Arc;
 
-use endcomfort_core::fit::Fit;
 use endcomfort_core::grasp::{Grasp, HandModel};
 use endcomfort_core::job::{FitOutput, SceneOutput, SegmentOutput};
 use endcomfort_core::mesh::Mesh;
@@ -16,8 +16,13 @@ use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
 use crate::render::{ColorMap, Frame, LineDraw, MeshDraw, PointsDraw, Scale, Surface, Theme, shapes};
 use crate::viewer::{Layer, Layers, Pick};
+pub use lab::LabContent;
 pub use palette::Palette;
 
+/// Resolution of a fit's mesh: 96 columns, 47 rings.
+const FIT_MESH_HALF: u32 = 12;
+/// Opacity of what stands around an examined fit.
+const AROUND_LAB: f32 = 0.22;
 /// An object that is farther than this from where it was seen has been moved, metres.
 const MOVED_M: f64 = 1e-4;
 
@@ -41,6 +46,8 @@ pub struct Content<'a> {
     pub layers: &'a Layers,
     pub hovered: Option<u32>,
     pub selected: Option<u32>,
+    /// The fit under examination, if there is one.
+    pub lab: Option<LabContent<'a>>,
     pub theme: Theme,
 }
 
@@ -55,8 +62,9 @@ pub struct Composer {
     pin: Option<Arc<Mesh>>,
 }
 
-/// Address and number of the points, whether they are segmented, whether the target has moved, and the theme.
-type CloudKey = (usize, usize, bool, bool, Theme);
+/// Address and number of the points, whether they are segmented, the cluster that is not seen, whether the others are
+/// only its surroundings, and the theme.
+type CloudKey = (usize, usize, bool, Option<usize>, bool, Theme);
 
 struct CloudCache {
     key: CloudKey,
@@ -70,7 +78,7 @@ impl Composer {
         let palette = Palette::of(input.theme);
         let mut frame = Frame::default();
         self.add_furniture(&mut frame, input.scene, &palette);
-        if input.layers.opacity(Layer::Robot) > 0.0 {
+        if input.lab.is_none() && input.layers.opacity(Layer::Robot) > 0.0 {
             self.add_robot(&mut frame, input, &palette);
         }
         if let Some(cloud) = input.cloud.filter(|_| input.layers.opacity(Layer::Cloud) > 0.0) {
@@ -78,6 +86,11 @@ impl Composer {
         }
         if let Some(fits) = input.fits {
             self.add_fits(&mut frame, fits, input, &palette);
+        }
+        if let Some(lab) = &input.lab {
+            // What is examined is seen alone: no hands, no paths.
+            self.add_lab(&mut frame, lab, &palette);
+            return frame;
         }
         self.add_grasps(&mut frame, input, &palette);
         if let Some(plan) = input.plan.filter(|_| input.layers.opacity(Layer::Path) > 0.0) {
@@ -160,12 +173,17 @@ impl Composer {
             (Some(now), Some(start)) => (now.translation.vector - start.translation.vector).norm() > MOVED_M,
             _ => false,
         };
-        let key = (points.as_ptr() as usize, points.len(), input.segment.is_some(), moved, input.theme);
+        // A moved object has left its points behind; an examined fit draws them itself.
+        let target = input.segment.map(|s| s.target);
+        let hidden = input.lab.as_ref().map(|lab| lab.cluster).or(target.filter(|_| moved));
+        let key =
+            (points.as_ptr() as usize, points.len(), input.segment.is_some(), hidden, input.lab.is_some(), input.theme);
         if self.cloud.as_ref().is_none_or(|cache| cache.key != key) {
             let fates = input.segment.map(|s| s.fates.as_slice()).filter(|fates| fates.len() == points.len());
-            let target = input.segment.map(|s| s.target);
             let colors = (0..points.len())
-                .map(|i| fates.map_or(palette.cloud, |fates| palette.fate(fates[i], target, moved)))
+                .map(|i| {
+                    fates.map_or(palette.cloud, |fates| palette.fate(fates[i], target, hidden, input.lab.is_some()))
+                })
                 .collect();
             self.cloud = Some(CloudCache { key, points: Arc::new(points.clone()), colors: Arc::new(colors) });
         }
@@ -178,44 +196,37 @@ impl Composer {
         }
     }
 
-    fn fit_mesh(&mut self, superquadric: &Superquadric) -> Arc<Mesh> {
-        let shape = Superquadric { X_FS: Isometry3::identity(), ..*superquadric };
-        if let Some((_, mesh)) = self.fits.iter().find(|(known, _)| *known == shape) {
-            return mesh.clone();
-        }
-        if self.fits.len() > 64 {
-            self.fits.clear();
-        }
-        let mesh = Arc::new(shape.mesh_in_axes(12));
-        self.fits.push((shape, mesh.clone()));
-        mesh
-    }
-
+    /// The bodies of every fit where they stand, or where the robot has moved them, and the target's at the goal.
     fn add_fits(&mut self, frame: &mut Frame, fits: &FitOutput, input: &Content<'_>, palette: &Palette) {
-        for (cluster, fit) in fits.fits.iter().enumerate() {
-            let Ok(Fit { superquadric, .. }) = fit else { continue };
-            let mesh = self.fit_mesh(superquadric);
+        let examined = input.lab.as_ref().map(|lab| lab.cluster);
+        for (cluster, fit) in fits.fits.iter().enumerate().filter(|(cluster, _)| Some(*cluster) != examined) {
+            let Ok(fit) = fit else { continue };
+            let X_WS = fit.superquadric.X_FS;
             let is_target = cluster == fits.target;
-            if input.layers.opacity(Layer::Fits) > 0.0 {
-                let X_WM = if is_target { input.X_WO.unwrap_or(superquadric.X_FS) } else { superquadric.X_FS };
-                let (mut color, surface) = if is_target {
-                    (palette.target, Surface::Satin)
-                } else {
-                    (palette.neighbour(input.scene, &superquadric.X_FS), Surface::Satin)
-                };
-                color[3] *= input.layers.opacity(Layer::Fits);
-                frame.meshes.push(MeshDraw {
-                    mesh: mesh.clone(),
-                    X_WM,
-                    color,
-                    surface,
-                    pick_id: Pick::Cluster(cluster as u32).id(),
-                });
-            }
-            if let Some(X_WM) = input.X_WO_goal.filter(|_| is_target && input.layers.opacity(Layer::Goal) > 0.0) {
-                let mut color = palette.goal;
-                color[3] *= input.layers.opacity(Layer::Goal);
-                frame.meshes.push(MeshDraw { mesh, X_WM, color, surface: Surface::Ghost, pick_id: 0 });
+            let X_WO = input.X_WO.filter(|_| is_target).unwrap_or(X_WS);
+            let X_WO_goal = input.X_WO_goal.filter(|_| is_target && examined.is_none());
+            for body in fit.bodies() {
+                let mesh = self.fit_mesh(body);
+                let X_OP = X_WS.inverse() * body.X_FS;
+                if input.layers.opacity(Layer::Fits) > 0.0 {
+                    let mut color = if is_target { palette.target } else { palette.neighbour(input.scene, &X_WS) };
+                    color[3] *= input.layers.opacity(Layer::Fits);
+                    if examined.is_some() {
+                        color[3] *= AROUND_LAB;
+                    }
+                    frame.meshes.push(MeshDraw {
+                        mesh: mesh.clone(),
+                        X_WM: X_WO * X_OP,
+                        color,
+                        surface: Surface::Satin,
+                        pick_id: Pick::Cluster(cluster as u32).id(),
+                    });
+                }
+                if let Some(X_WO) = X_WO_goal.filter(|_| input.layers.opacity(Layer::Goal) > 0.0) {
+                    let mut color = palette.goal;
+                    color[3] *= input.layers.opacity(Layer::Goal);
+                    frame.meshes.push(MeshDraw { mesh, X_WM: X_WO * X_OP, color, surface: Surface::Ghost, pick_id: 0 });
+                }
             }
         }
     }

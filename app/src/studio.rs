@@ -6,10 +6,10 @@ use endcomfort_core::robot::Robot;
 use nalgebra::{Isometry3, Point3};
 
 use crate::assets;
-use crate::compose::{Composer, Content, merit_scale};
+use crate::compose::{Composer, Content, LabContent, Palette, merit_scale};
 use crate::render::{Bounds, Theme};
 use crate::viewer::{
-    ComposeInput, Demo, Label, Layer, Picture, Posture, RobotChoice, ScaleBar, Situation, Studio, Tone,
+    ComposeInput, Demo, Label, Layer, Picture, Posture, RobotChoice, ScaleBar, Situation, Studio, Tone, objective_title,
 };
 
 /// Composes pictures from the robots and demos inside the program.
@@ -65,17 +65,49 @@ impl Studio for BuiltInStudio {
             layers: input.layers,
             hovered: input.hover.grasp,
             selected: input.selection.grasp,
+            lab: lab_content(input),
             theme: if input.dark { Theme::Dark } else { Theme::Light },
         };
         let frame = self.composer.compose(&content);
+        if let Some(lab) = &content.lab {
+            let scale = (lab.view == crate::viewer::FitView::Error).then(|| ScaleBar {
+                title: "signed radial distance".to_owned(),
+                unit: "mm",
+                scale: lab.scale(),
+            });
+            let legend = Some(lab.legend(&Palette::of(content.theme)));
+            return Picture { frame, labels: Vec::new(), scale, legend, bounds: lab.bounds() };
+        }
         let shows_grasps = input.layers.opacity(Layer::Grasps) > 0.0 && !content.grasps.is_empty();
         let has_goal = content.X_WO_goal.is_some();
         let scale = (shows_grasps && outputs.rank.is_some()).then(|| ScaleBar {
             title: format!("mean manipulability m_g at the {}", if has_goal { "goal" } else { "start" }),
+            unit: "",
             scale: merit_scale(grasps),
         });
-        Picture { frame, labels: labels(input, &content), scale, bounds: Some(workspace(input)) }
+        Picture { frame, labels: labels(input, &content), scale, legend: None, bounds: Some(workspace(input)) }
     }
+}
+
+/// The fit under examination, with everything that the view needs of it.
+fn lab_content<'a>(input: &ComposeInput<'a>) -> Option<LabContent<'a>> {
+    let key = input.lab?;
+    let (segment, fits) = (input.outputs.segment.as_deref()?, input.outputs.fit.as_deref()?);
+    let fit = fits.fits.get(key.cluster)?.as_ref().ok()?;
+    let described = input.document.cloud.is_none().then(|| nearest_title(input, &fit.superquadric.X_FS)).flatten();
+    let number = format!("cluster {}", key.cluster + 1);
+    let is_by_hand = input.document.shape.is_some_and(|shape| shape.cluster == key.cluster);
+    Some(LabContent {
+        cluster: key.cluster,
+        title: described.map_or_else(|| format!("C{}", &number[1..]), |title| format!("{title}, {number}")),
+        points: segment.clusters.get(key.cluster)?,
+        distances_m: fits.distances_m.get(key.cluster).map_or(&[], Vec::as_slice),
+        fit,
+        automatic: fits.automatic.as_deref().filter(|_| is_by_hand),
+        trial: key.objective.and_then(|objective| Some((objective_title(objective), input.trial?))),
+        view: key.view,
+        points_out_rejected: key.points_out_rejected,
+    })
 }
 
 /// What a first look shows: the robot from the shoulders down to the table, and as much of the table as it works on.
@@ -151,8 +183,6 @@ fn top_of(fit: &endcomfort_core::fit::Fit, X_WS: &Isometry3<f64>) -> Point3<f64>
 
 /// Title of the described object that stands where a fit is.
 fn nearest_title(input: &ComposeInput<'_>, X_WS: &Isometry3<f64>) -> Option<String> {
-    let distance = |X: &Isometry3<f64>| (X.translation.vector.xy() - X_WS.translation.vector.xy()).norm();
-    let placed = input.scene.objects.iter().filter(|placed| distance(&placed.X_WO) < 0.08);
-    let nearest = placed.min_by(|l, r| distance(&l.X_WO).total_cmp(&distance(&r.X_WO)))?;
-    Some(assets::library().object(&nearest.object).ok()?.title.clone())
+    let placed = input.scene.object_at(X_WS)?;
+    Some(assets::library().object(&placed.object).ok()?.title.clone())
 }

@@ -4,10 +4,11 @@ use nalgebra::{Isometry3, Point3};
 use serde::{Deserialize, Serialize};
 
 use crate::cloud::PointCloud;
-use crate::fit::Fit;
+use crate::fit::{Fit, ObjectiveKind};
 use crate::grasp::Grasp;
 use crate::scene::Scene;
 use crate::segment::{Plane, PointFate};
+use crate::superquadric::Superquadric;
 use crate::task::Plan;
 
 /// Runs the pipeline for a scene; stages whose inputs did not change are answered from the last run.
@@ -23,8 +24,40 @@ pub struct Request {
     pub cluster: Option<usize>,
     /// The grasp to plan with; `None` tries them in their order of rank.
     pub grasp: Option<u32>,
+    /// A shape that a person set in place of a cluster's fit.
+    pub shape: Option<SetShape>,
+    /// The first stage that is told; earlier ones are computed where they must be, in silence.
+    pub first: Stage,
     /// The last stage that is wanted.
     pub last: Stage,
+    /// Instead of the stages: fits this cluster with each of the five objectives.
+    pub compare: Option<usize>,
+}
+
+impl Request {
+    /// All stages for a scene as it stands, revision 0.
+    pub fn new(scene: Scene) -> Self {
+        Self {
+            revision: 0,
+            scene,
+            cloud: None,
+            cluster: None,
+            grasp: None,
+            shape: None,
+            first: Stage::Scene,
+            last: Stage::Plan,
+            compare: None,
+        }
+    }
+}
+
+/// A shape that a person set in place of a cluster's fit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SetShape {
+    /// The cluster.
+    pub cluster: usize,
+    /// The shape, in W.
+    pub superquadric: Superquadric,
 }
 
 /// A file that somebody dropped.
@@ -87,6 +120,8 @@ pub enum Output {
     Grasps(GraspsOutput),
     Rank(RankOutput),
     Plan(Box<Plan>),
+    /// One of the fits of [`Request::compare`]; not a stage.
+    Objective(Box<ObjectiveFit>),
 }
 
 /// The cloud that the robot sees.
@@ -118,6 +153,22 @@ pub struct FitOutput {
     pub fits: Vec<Result<Fit, String>>,
     /// Index of the target.
     pub target: usize,
+    /// Signed radial distance (3.4) of every point of every cluster from its fit, metres, negative inside; of several
+    /// parts the nearest counts. Empty for a cluster without a fit.
+    pub distances_m: Vec<Vec<f64>>,
+    /// The fit that a shape set by a person ([`Request::shape`]) stands in for.
+    pub automatic: Option<Box<Fit>>,
+}
+
+/// What an objective made of a cluster.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct ObjectiveFit {
+    /// The cluster.
+    pub cluster: usize,
+    /// The objective.
+    pub objective: ObjectiveKind,
+    /// The fit, or the reason why there is none.
+    pub fit: Result<Fit, String>,
 }
 
 /// Candidates after closing the hand and looking for collisions of the hand alone.

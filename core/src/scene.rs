@@ -141,10 +141,19 @@ pub enum SceneError {
 
 /// Largest number of objects or obstacles in a scene.
 pub const MAX_THINGS: usize = 200;
+/// A described object this close to a fit gives the fit its name and its colour, metres.
+const SAME_OBJECT_M: f64 = 0.08;
 /// Nothing stands farther than this from the robot, metres.
 const MAX_COORDINATE_M: f64 = 10.0;
 
 impl Scene {
+    /// The described object that stands where a fit is: the one nearest to it on the table, within 8 cm.
+    pub fn object_at(&self, X_WS: &Isometry3<f64>) -> Option<&PlacedObject> {
+        let apart = |placed: &PlacedObject| (placed.X_WO.translation.vector.xy() - X_WS.translation.vector.xy()).norm();
+        let near = self.objects.iter().filter(|placed| apart(placed) < SAME_OBJECT_M);
+        near.min_by(|l, r| apart(l).total_cmp(&apart(r)))
+    }
+
     /// Reads a scene from JSON and checks it; rotations are brought to unit length.
     ///
     /// # Errors

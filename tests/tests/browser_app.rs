@@ -115,6 +115,44 @@ fn a_demo_plans_and_plays() -> Result<()> {
 }
 
 #[test]
+fn in_the_fit_lab_objectives_are_compared_and_a_shape_set_by_hand_changes_the_error_until_it_is_undone() -> Result<()> {
+    let browser = browser_with_demo("mustard")?;
+    browser.run("window.endcomfort.pause(); window.endcomfort.select_step('fit')", &[])?;
+    let status =
+        browser.wait_for_status("the lab", A_WHILE, |status| status["step"] == "fit" && status["fit"].is_object())?;
+    let fitted_m = status["fit"]["radial_m"].as_f64().context("a fit has an error")?;
+    let a_m = status["fit"]["superquadric"]["a"].as_f64().context("a fit has semi-axes")?;
+    std::thread::sleep(Duration::from_millis(1500));
+    browser.screenshot("lab")?;
+
+    browser.run("window.endcomfort.compare_objectives()", &[])?;
+    let status = browser.wait_for_status("five objectives", A_WHILE, |status| {
+        has_settled(status) && status["objectives"].as_array().is_some_and(|rows| rows.len() == 5)
+    })?;
+    assert_eq!(status["objectives"][0]["objective"], "radial", "{status:#}");
+    assert_eq!(status["objectives"][0]["radial_m"].as_f64(), Some(fitted_m), "the first is the one that stands");
+
+    browser.run("window.endcomfort.set_shape({ a: arguments[0] })", &[(1.3 * a_m).into()])?;
+    let by_hand = |status: &Value| status["fit"]["by_hand"] == true && stage(status, "fit")["state"] == "done";
+    let status = browser.wait_for_status("the shape set by hand", A_WHILE, by_hand)?;
+    assert!(status["fit"]["radial_m"].as_f64().is_some_and(|radial_m| radial_m > 1.5 * fitted_m), "{status:#}");
+    let status = browser.wait_for_status("grasps of that shape", A_WHILE, has_settled)?;
+    assert_eq!(status["step"], "fit", "whatever becomes of the plan, the lab stays: {status:#}");
+    browser.screenshot("lab-by-hand")?;
+    let refused = browser.run("window.endcomfort.set_shape({ e1: 7 })", &[]);
+    assert!(refused.is_err_and(|error| format!("{error:#}").contains("exponent e1 is 7")));
+
+    browser.run("window.endcomfort.undo()", &[])?;
+    let status = browser.wait_for_status("the fit as it was", A_WHILE, |status| {
+        status["fit"]["by_hand"] == false && has_settled(status)
+    })?;
+    assert_eq!(status["fit"]["radial_m"].as_f64(), Some(fitted_m), "{status:#}");
+    let complaints = browser.complaints()?;
+    assert!(complaints.is_empty(), "{complaints:#?}");
+    Ok(())
+}
+
+#[test]
 fn a_dropped_cloud_is_fitted() -> Result<()> {
     let browser = browser_with_demo("mustard")?;
     browser.drop_file("can.pcd", can_on_a_table().as_bytes())?;
@@ -156,7 +194,7 @@ fn the_plan_for_a_seed_is_the_same_text_in_the_browser_and_natively() -> Result<
     for demo in assets::DEMOS {
         let scene = assets::demo(demo).context("no such demo")?;
         let robot = assets::library().robot(&scene.robot)?;
-        let request = Request { revision: 1, scene, cloud: None, cluster: None, grasp: None, last: Stage::Plan };
+        let request = Request::new(scene);
         let outputs = run_until(&request, Stage::Plan).map_err(|refusal| anyhow!("{refusal:?}"))?;
         let plan =
             outputs.into_iter().find_map(|output| if let Output::Plan(plan) = output { Some(plan) } else { None });

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use endcomfort::assets;
-use endcomfort_core::job::{Output, Refusal, Request, Stage, Update};
+use endcomfort_core::job::{Output, Refusal, Request, SetShape, Stage, Update};
 use endcomfort_core::pipeline::Pipeline;
 use endcomfort_core::scene::{ArmChoice, PlacedObject, Scene, Task};
 use endcomfort_core::task::{Phase, PhaseKind, Plan};
@@ -16,7 +16,7 @@ use nalgebra::Isometry3;
 const DENSITY: usize = 4;
 
 fn request(scene: Scene) -> Request {
-    Request { revision: 1, scene, cloud: None, cluster: None, grasp: None, last: Stage::Plan }
+    Request { revision: 1, ..Request::new(scene) }
 }
 
 fn run(pipeline: &mut Pipeline, request: &Request) -> (Vec<Output>, Option<Refusal>) {
@@ -214,4 +214,46 @@ fn a_goal_that_cannot_be_reached_is_refused_with_counted_reasons() {
     assert!(outputs.iter().any(|output| matches!(output, Output::Rank(_))), "the ranking itself still stands");
     assert!(refusal.message.contains("none of the"), "{refusal:?}");
     assert!(refusal.details.iter().any(|line| line.contains("goal: out of reach")), "{refusal:?}");
+}
+
+#[test]
+fn a_shape_set_by_hand_is_grasped_without_fitting_again() {
+    let scene = assets::demo("mustard").expect("the demo is there");
+    let mut pipeline = Pipeline::new(assets::library());
+    let fitted = Request { last: Stage::Fit, ..request(scene) };
+    let fit_of = |outputs: Vec<Output>| {
+        outputs.into_iter().find_map(|output| if let Output::Fit(fit) = output { Some(fit) } else { None }).unwrap()
+    };
+    let automatic = fit_of(run(&mut pipeline, &fitted).0);
+    let target = automatic.target;
+    let mut superquadric = automatic.fits[target].as_ref().unwrap().superquadric;
+    superquadric.X_FS.translation.vector.x += 0.004;
+    let shape = Some(SetShape { cluster: target, superquadric });
+    let asked = Request { shape, first: Stage::Fit, last: Stage::Grasps, ..fitted.clone() };
+
+    // Levenberg-Marquardt asks at every step whether it shall stop; the pipeline itself once per stage.
+    let asks = std::sync::atomic::AtomicUsize::new(0);
+    let counting = || {
+        asks.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        false
+    };
+    let mut outputs = Vec::new();
+    pipeline.run(&asked, &Watch::new(&counting, &|_, _| (), &|| 0.0), &mut |update| {
+        if let Update::Done { output, .. } = update {
+            outputs.push(*output);
+        }
+    });
+    assert!(asks.into_inner() <= 2, "the clusters are not fitted again");
+    let [Output::Fit(shaped), Output::Grasps(grasps)] = outputs.as_slice() else { panic!("{}", outputs.len()) };
+    let fit = shaped.fits[target].as_ref().unwrap();
+    assert_eq!(fit.superquadric, superquadric);
+    assert!(fit.radial_m > automatic.fits[target].as_ref().unwrap().radial_m);
+    assert_eq!(shaped.automatic.as_ref().unwrap().superquadric, automatic.fits[target].as_ref().unwrap().superquadric);
+    assert_eq!(grasps.X_WO_start, superquadric.X_FS, "the hand goes to the shape that was set");
+    let mean_m = shaped.distances_m[target].iter().map(|d| d.abs()).sum::<f64>() / fit.points as f64;
+    assert!((mean_m - fit.radial_m).abs() < 1e-9, "E_r is the mean of the distances: {mean_m} {}", fit.radial_m);
+
+    let lost = SetShape { cluster: 99, superquadric };
+    let (_, refusal) = run(&mut pipeline, &Request { shape: Some(lost), ..fitted });
+    assert!(refusal.is_some_and(|refusal| refusal.message.contains("cluster 100 has no fit")));
 }

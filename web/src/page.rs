@@ -1,14 +1,14 @@
 //! The page's side: starts the interface on the canvas, and answers scripts and tests.
 //!
 //! `web/boot.js` offers the functions below as `window.endcomfort`:
-//! `status()`, `plan_json()`, `load_cloud(name, bytes)`, `set_demo(name)`, `play()`, `pause()`, `seek(seconds)`, and
-//! the number `first_picture_ms`, counted from the moment the browser began to open the page.
+//! `status()`, `plan_json()`, `load_cloud(name, bytes)`, `set_demo(name)`, `play()`, `pause()`, `seek(seconds)`,
+//! `select_step(name)`, `compare_objectives()`, `set_shape({ a: 0.05, … })`, `undo()`, `redo()`, and the number `first_picture_ms`, counted from the moment the browser began to open the page.
 
 use std::cell::RefCell;
 
 use eframe::{WebOptions, WebRunner, egui, egui_wgpu, wgpu};
 use endcomfort::studio::BuiltInStudio;
-use endcomfort::viewer::{App, StartOptions, ThemeChoice};
+use endcomfort::viewer::{App, Command, StartOptions, ThemeChoice};
 use wasm_bindgen::prelude::*;
 use web_sys::HtmlCanvasElement;
 
@@ -142,6 +142,42 @@ pub fn set_playing(playing: bool) {
 #[wasm_bindgen]
 pub fn seek(time_s: f64) {
     with_app(|app, context| app.seek(context, time_s));
+}
+
+/// Shows a step in the inspector: `scene`, `segment`, `fit`, `grasps`, `rank`, `plan` or `play`.
+///
+/// # Errors
+/// A sentence when there is no such step.
+#[wasm_bindgen]
+pub fn select_step(name: &str) -> Result<(), JsValue> {
+    with_app(|app, context| app.select_step(context, name)).unwrap_or(Ok(())).map_err(|reason| reason.into())
+}
+
+/// Fits the examined cluster with each of the five objectives; the status lists them under `objectives`.
+#[wasm_bindgen]
+pub fn compare_objectives() {
+    with_app(|app, context| app.compare_objectives(context));
+}
+
+/// Sets parameters of the examined cluster's shape, a JSON object with fields of `fit.superquadric` in the status.
+///
+/// # Errors
+/// A sentence when there is no fit, or when the parameters are those of no superquadric.
+#[wasm_bindgen]
+pub fn set_shape(parameters: &str) -> Result<(), JsValue> {
+    with_app(|app, context| app.set_shape(context, parameters)).unwrap_or(Ok(())).map_err(|reason| reason.into())
+}
+
+/// Takes the last edit back.
+#[wasm_bindgen]
+pub fn undo() {
+    with_app(|app, context| app.apply(context, Command::Undo));
+}
+
+/// Does the edit again that was taken back last.
+#[wasm_bindgen]
+pub fn redo() {
+    with_app(|app, context| app.apply(context, Command::Redo));
 }
 
 fn with_page<T>(act: impl FnOnce(&Page) -> T) -> Option<T> {

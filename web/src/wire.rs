@@ -42,9 +42,12 @@ pub fn from_bytes<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, WireError> {
 mod tests {
     use super::*;
     use endcomfort_core::cloud::{PixelGrid, PointCloud};
-    use endcomfort_core::job::{DroppedCloud, Output, Refusal, Request, SceneOutput, SegmentOutput, Stage, Update};
+    use endcomfort_core::job::{
+        DroppedCloud, Output, Refusal, Request, SceneOutput, SegmentOutput, SetShape, Stage, Update,
+    };
     use endcomfort_core::scene::{ArmChoice, Obstacle, PlacedObject, Scene, TableTop, Task};
     use endcomfort_core::segment::{Plane, PointFate};
+    use endcomfort_core::superquadric::Superquadric;
     use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
     fn pose(x: f64) -> Isometry3<f64> {
@@ -80,11 +83,18 @@ mod tests {
                 cloud: Some(DroppedCloud { name: "a.pcd".into(), bytes: vec![0, 255, 10] }),
                 cluster: Some(2),
                 grasp: None,
+                shape: Some(SetShape {
+                    cluster: 2,
+                    superquadric: Superquadric::new(0.04, 0.03, 0.1, 0.2, 1.0, pose(0.6)).unwrap(),
+                }),
+                first: Stage::Fit,
                 last: Stage::Rank,
+                compare: Some(1),
             };
             let got: Request = from_bytes(&to_bytes(&sent).unwrap()).unwrap();
             assert_eq!((got.revision, got.scene, got.cloud), (sent.revision, sent.scene, sent.cloud));
-            assert_eq!((got.cluster, got.grasp, got.last), (sent.cluster, sent.grasp, sent.last));
+            assert_eq!((got.cluster, got.grasp, got.shape), (sent.cluster, sent.grasp, sent.shape));
+            assert_eq!((got.first, got.last, got.compare), (sent.first, sent.last, sent.compare));
         }
     }
 

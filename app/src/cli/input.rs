@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use endcomfort_core::cloud::{PointCloud, read_cloud};
-use endcomfort_core::job::{DroppedCloud, Request, Stage};
+use endcomfort_core::job::{DroppedCloud, Request};
 use endcomfort_core::loaded::Loaded;
 use endcomfort_core::scene::Scene;
 
@@ -68,7 +68,7 @@ pub(super) fn request(name: &str, robot: Option<&str>, common: &Common) -> Resul
     if let Some(seed) = common.seed {
         scene.seed = seed;
     }
-    Ok(Request { revision: 0, scene, cloud, cluster: None, grasp: None, last: Stage::Plan })
+    Ok(Request { cloud, ..Request::new(scene) })
 }
 
 fn scene_for_clouds() -> Result<Scene, Failure> {

@@ -8,9 +8,6 @@ use nalgebra::Isometry3;
 use crate::assets;
 use crate::render::{Surface, Theme};
 
-/// A neighbour whose fit is within this distance of a described object gets that object's colour, metres.
-const SAME_OBJECT_M: f64 = 0.08;
-
 /// How much of its own colour a neighbour keeps: the rest is a quiet grey, so that data colours stand out.
 const CALM: f32 = 0.45;
 
@@ -21,6 +18,14 @@ pub struct Palette {
     pub target: [f32; 4],
     pub goal: [f32; 4],
     pub cloud: [f32; 4],
+    /// Points that mirroring added.
+    pub mirrored: [f32; 4],
+    /// A fit that another one is compared with.
+    pub trial: [f32; 4],
+    /// Quiet lines: a fit that a shape set by hand stands in for.
+    pub ghost_line: [f32; 4],
+    /// The parts of an examined fit.
+    pub parts: [[f32; 4]; 4],
     pub rejected: [f32; 4],
     pub hovered_hand: [f32; 4],
     pub selected_hand: [f32; 4],
@@ -53,6 +58,10 @@ impl Palette {
                 target: rgba(0x3ec6b0, 0.62),
                 goal: rgba(0xf0b34a, 0.55),
                 cloud: rgb(0x6ca9ff),
+                mirrored: rgb(0xb08cff),
+                trial: rgb(0xf0b34a),
+                ghost_line: rgba(0x9aa6b2, 0.8),
+                parts: [rgb(0x3ec6b0), rgb(0xf0b34a), rgb(0x8fd36b), rgb(0xe58fc0)],
                 rejected: rgba(0xee6a5c, 0.8),
                 hovered_hand: rgba(0xe7eaed, 0.55),
                 selected_hand: rgba(0xb08cff, 0.6),
@@ -72,6 +81,10 @@ impl Palette {
                 target: rgba(0x0d9a85, 0.62),
                 goal: rgba(0xc98208, 0.5),
                 cloud: rgb(0x2f74d8),
+                mirrored: rgb(0x7d56d6),
+                trial: rgb(0xc98208),
+                ghost_line: rgba(0x5f6973, 0.8),
+                parts: [rgb(0x0d9a85), rgb(0xc98208), rgb(0x4b9a2f), rgb(0xb84d8a)],
                 rejected: rgba(0xd2483a, 0.8),
                 hovered_hand: rgba(0x1d2329, 0.45),
                 selected_hand: rgba(0x7d56d6, 0.55),
@@ -102,16 +115,17 @@ impl Palette {
         (color, surface)
     }
 
-    /// Colour of a point by what became of it; the target cluster is teal, or not seen once the object has been moved.
-    pub fn fate(&self, fate: PointFate, target: Option<usize>, target_is_gone: bool) -> [f32; 4] {
+    /// Colour of a point by what became of it; the target cluster is teal, a hidden one is not seen.
+    /// Around an examined cluster all points are quiet.
+    pub fn fate(&self, fate: PointFate, target: Option<usize>, hidden: Option<usize>, is_quiet: bool) -> [f32; 4] {
         match fate {
-            PointFate::Cluster(index) if Some(usize::from(index)) == target => {
-                if target_is_gone {
-                    [0.0; 4]
-                } else {
-                    self.accent
-                }
+            PointFate::Cluster(index) if Some(usize::from(index)) == hidden => [0.0; 4],
+            PointFate::Cluster(_) | PointFate::SmallCluster if is_quiet => {
+                [self.neighbour[0], self.neighbour[1], self.neighbour[2], 0.35]
             }
+            // Seen from so near, even faint points would lie on the table like sand.
+            _ if is_quiet => [0.0; 4],
+            PointFate::Cluster(index) if Some(usize::from(index)) == target => self.accent,
             PointFate::Cluster(index) => self.clusters[usize::from(index) % self.clusters.len()],
             PointFate::SmallCluster => self.rejected,
             _ => self.faint,
@@ -120,17 +134,14 @@ impl Palette {
 
     /// Colour of a fit that is not grasped: that of the described object which stands there, or a quiet grey.
     pub fn neighbour(&self, scene: &Scene, X_WS: &Isometry3<f64>) -> [f32; 4] {
-        let horizontal = |X: &Isometry3<f64>| X.translation.vector.xy();
-        scene
-            .objects
-            .iter()
-            .find(|placed| (horizontal(&placed.X_WO) - horizontal(X_WS)).norm() < SAME_OBJECT_M)
-            .and_then(|placed| assets::library().object(&placed.object).ok())
-            .map_or(self.neighbour, |object| {
+        scene.object_at(X_WS).and_then(|placed| assets::library().object(&placed.object).ok()).map_or(
+            self.neighbour,
+            |object| {
                 let [r, g, b] = object.color.map(|c| f32::from(c) / 255.0);
                 let calm = |c: f32, quiet: f32| quiet + CALM * (c - quiet);
                 let [quiet_r, quiet_g, quiet_b, _] = self.neighbour;
                 [calm(r, quiet_r), calm(g, quiet_g), calm(b, quiet_b), 1.0]
-            })
+            },
+        )
     }
 }

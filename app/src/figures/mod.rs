@@ -54,6 +54,7 @@ impl Picture<'_> {
             layers: &Layers::default(),
             hovered: None,
             selected: None,
+            lab: None,
             theme: settings.theme,
         };
         for output in self.outputs {
@@ -70,6 +71,7 @@ impl Picture<'_> {
                     content.selected = value.grasps.first().filter(|g| g.is_accepted()).map(|g| g.id);
                 }
                 Output::Plan(value) => content.plan = Some(value),
+                Output::Objective(_) => {}
             }
         }
         let resting = self.robot.posture(&self.scene.posture);

@@ -10,7 +10,8 @@ const NO_VALUE: [f32; 4] = [0.5, 0.5, 0.5, 1.0];
 pub enum ColorMap {
     /// Perceptually even from dark violet to yellow; for amounts.
     Viridis,
-    /// Red, neutral at 0.5, blue (ColorBrewer's RdBu); for signed data.
+    /// Red, neutral at 0.5, blue (ColorBrewer's RdBu without its darkest ends, which a dark room swallows); for signed
+    /// data.
     Diverging,
 }
 
@@ -23,7 +24,7 @@ impl ColorMap {
         let t = t.max(0.0).min(1.0);
         let color = match self {
             Self::Viridis => colorous::VIRIDIS.eval_continuous(t),
-            Self::Diverging => colorous::RED_BLUE.eval_continuous(t),
+            Self::Diverging => colorous::RED_BLUE.eval_continuous(0.1 + 0.8 * t),
         };
         let channel = |value: u8| f32::from(value) / 255.0;
         [channel(color.r), channel(color.g), channel(color.b), 1.0]

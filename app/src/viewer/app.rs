@@ -4,8 +4,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use egui::{ColorImage, Context, Ui};
 
+use super::state::Step;
 use super::view3d::View3d;
-use super::{Command, Document, Effect, Overlay, Studio, ThemeChoice, ViewerState, draw_panels, theme};
+use super::{Command, Document, Effect, LabCommand, Overlay, Studio, ThemeChoice, ViewerState, draw_panels, theme};
 use crate::host::Host;
 
 /// How the program shall open.
@@ -120,6 +121,35 @@ impl App {
     /// Goes to a time of the plan, seconds.
     pub fn seek(&mut self, ctx: &Context, time_s: f64) {
         self.apply(ctx, Command::Seek(time_s));
+    }
+
+    /// Shows a step by its name in lower case.
+    ///
+    /// # Errors
+    /// A sentence that lists the steps when there is none of this name.
+    pub fn select_step(&mut self, ctx: &Context, name: &str) -> Result<(), String> {
+        let named = |step: &Step| step.title().eq_ignore_ascii_case(name);
+        let Some(step) = Step::ALL.into_iter().find(named) else {
+            let known = Step::ALL.map(Step::title).join(", ").to_lowercase();
+            return Err(format!("there is no step {name:?}; the steps are {known}"));
+        };
+        self.apply(ctx, Command::SelectStep(step));
+        Ok(())
+    }
+
+    /// Fits the examined cluster with each objective.
+    pub fn compare_objectives(&mut self, ctx: &Context) {
+        self.apply(ctx, Command::Lab(LabCommand::Compare));
+    }
+
+    /// Sets parameters of the examined cluster's shape: a JSON object with some fields of a superquadric.
+    ///
+    /// # Errors
+    /// A sentence when there is no fit, or when the parameters are those of no superquadric.
+    pub fn set_shape(&mut self, ctx: &Context, parameters: &str) -> Result<(), String> {
+        let shape = self.state.shape_with(parameters)?;
+        self.apply(ctx, Command::Lab(LabCommand::SetShape(shape)));
+        Ok(())
     }
 
     /// Does what a person could do.

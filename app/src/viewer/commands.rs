@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
-use endcomfort_core::fit::MirrorMode;
 use endcomfort_core::job::{DroppedCloud, Request, Stage};
 use endcomfort_core::scene::{ArmChoice, SCENE_VERSION, Scene};
 
 use super::state::{Column, IkChoice, Side, StageState, Standing, Step, ThemeChoice};
-use super::{Document, Layer, Overlay, Playback, ViewerState};
+use super::{Document, LabCommand, Layer, Overlay, Playback, ViewerState};
 
 /// Something a person does.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,8 +23,8 @@ pub enum Command {
     SetArm(ArmChoice),
     /// Sets the seed of everything random.
     SetSeed(u64),
-    /// Whether the unseen side is completed by a mirror image.
-    SetMirror(MirrorMode),
+    /// Examines a fit, or asks for another one.
+    Lab(LabCommand),
     /// Grasps another cluster.
     GraspCluster(usize),
     /// Plans with this grasp, `None` with the first that works.
@@ -140,7 +139,7 @@ impl ViewerState {
             }
             Command::SetArm(arm) => return self.edit_scene(|scene| scene.arm = arm),
             Command::SetSeed(seed) => return self.edit_scene(|scene| scene.seed = seed),
-            Command::SetMirror(mirror) => return self.edit_scene(|scene| scene.fit.mirror = mirror),
+            Command::Lab(command) => return self.apply_lab(command),
             Command::GraspCluster(cluster) => {
                 return self.edit(|document| {
                     document.cluster = Some(cluster);
@@ -169,6 +168,11 @@ impl ViewerState {
             }
             Command::SelectStep(step) => {
                 self.selection.step = step;
+                self.lab.is_open = step == Step::Stage(Stage::Fit);
+                self.lab.points_out_rejected = false;
+                if self.lab.is_open {
+                    self.playback.playing = false;
+                }
                 if step == Step::Play {
                     self.selection.ik = None;
                 }
@@ -177,6 +181,8 @@ impl ViewerState {
             Command::MoveSelection(rows) => self.move_selection(rows),
             Command::SelectCluster(cluster) => {
                 self.selection.cluster = Some(cluster);
+                self.lab.points_out_rejected = false;
+                self.lab.refused = None;
                 if !matches!(self.selection.step, Step::Stage(Stage::Segment | Stage::Fit)) {
                     self.selection.step = Step::Stage(Stage::Segment);
                 }
@@ -195,6 +201,7 @@ impl ViewerState {
             Command::SetPlaying(true) => {
                 let duration_s = self.duration_s();
                 self.playback.play(duration_s);
+                self.lab.is_open = false;
                 self.selection.ik = None;
             }
             Command::SetPlaying(false) => self.playback.playing = false,
@@ -241,10 +248,15 @@ impl ViewerState {
         self.playback.advance(dt_s, duration_s);
     }
 
-    /// The request for the present document.
+    /// The request for the present document; the cloud and its clusters are not asked for again.
     pub fn run(&mut self) -> Vec<Effect> {
         self.running = true;
-        vec![Effect::Run(Box::new(self.document.request(self.revision)))]
+        self.forget_drag();
+        let mut request = self.document.request(self.revision);
+        if self.has_current_clusters() {
+            request.first = Stage::Fit;
+        }
+        vec![Effect::Run(Box::new(request))]
     }
 
     fn open_demo(&mut self, name: &str) -> Vec<Effect> {
@@ -295,6 +307,7 @@ impl ViewerState {
                 document.cloud = Some(cloud);
                 document.cluster = None;
                 document.grasp = None;
+                document.shape = None;
             })
         };
         if !effects.is_empty() {
@@ -306,7 +319,7 @@ impl ViewerState {
     }
 
     /// Changes the document as one step of undo; nothing happens if nothing changed.
-    fn edit(&mut self, change: impl FnOnce(&mut Document)) -> Vec<Effect> {
+    pub(super) fn edit(&mut self, change: impl FnOnce(&mut Document)) -> Vec<Effect> {
         let mut document = self.document.clone();
         change(&mut document);
         if document == self.document {
@@ -319,10 +332,15 @@ impl ViewerState {
     }
 
     fn edit_scene(&mut self, change: impl FnOnce(&mut Scene)) -> Vec<Effect> {
+        let seed = self.document.scene.seed;
         self.edit(|document| {
             change(Arc::make_mut(&mut document.scene));
             // Another robot, arm or seed makes other candidates, so a number asked for earlier means nothing.
             document.grasp = None;
+            if document.scene.seed != seed {
+                // Another cloud: its clusters may come in another order.
+                document.shape = None;
+            }
         })
     }
 
@@ -339,6 +357,7 @@ impl ViewerState {
             return Vec::new();
         }
         self.running = false;
+        self.forget_drag();
         for stage in Stage::ALL {
             if matches!(self.stage(stage), StageState::Running { .. }) {
                 let old = self.outputs.revision(stage).is_some();
@@ -351,6 +370,7 @@ impl ViewerState {
     fn seek(&mut self, time_s: f64) {
         if time_s.is_finite() {
             self.playback.time_s = time_s.max(0.0).min(self.duration_s());
+            self.lab.is_open = false;
             self.selection.ik = None;
         }
     }

@@ -1,9 +1,10 @@
 //! What the 3D picture is made from, and what it consists of.
 
+use endcomfort_core::fit::Fit;
 use endcomfort_core::scene::Scene;
 use nalgebra::Point3;
 
-use super::{Document, Hover, Layers, Outputs, Selection, Situation};
+use super::{Document, Hover, LabKey, Layers, Outputs, Selection, Situation};
 use crate::render::{Bounds, Frame, Scale};
 
 /// Everything that the picture depends on; two equal inputs (see [`ViewKey`]) give the same picture.
@@ -25,6 +26,10 @@ pub struct ComposeInput<'a> {
     pub layers: &'a Layers,
     /// How the robot stands.
     pub posture: Posture,
+    /// The fit under examination; `None` while the robot is at work.
+    pub lab: Option<LabKey>,
+    /// A fit of another objective, to be drawn over the examined one.
+    pub trial: Option<&'a Fit>,
     /// Whether the theme is dark.
     pub dark: bool,
 }
@@ -59,6 +64,7 @@ pub struct ViewKey {
     pub(super) hover: Hover,
     pub(super) layers: Layers,
     pub(super) posture: Posture,
+    pub(super) lab: Option<LabKey>,
     pub(super) dark: bool,
 }
 
@@ -71,6 +77,8 @@ pub struct Picture {
     pub labels: Vec<Label>,
     /// The meaning of the colours, if data colours are shown.
     pub scale: Option<ScaleBar>,
+    /// What the marks mean, if that is not plain.
+    pub legend: Option<Legend>,
     /// The box that `F` frames; `None` frames whatever is drawn.
     pub bounds: Option<Bounds>,
 }
@@ -106,6 +114,43 @@ pub enum Tone {
 pub struct ScaleBar {
     /// Quantity and unit: `m_g at the goal`.
     pub title: String,
+    /// Unit of the numbers at the bar; empty for none.
+    pub unit: &'static str,
     /// Colours and range.
     pub scale: Scale,
+}
+
+/// The meaning of marks in the view.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Legend {
+    /// What is looked at.
+    pub title: String,
+    /// One row per kind of mark.
+    pub rows: Vec<LegendRow>,
+}
+
+/// One kind of mark.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LegendRow {
+    /// Its form.
+    pub mark: Mark,
+    /// Its colour, sRGB and opacity.
+    pub color: [f32; 4],
+    /// What it stands for, with its number.
+    pub text: String,
+}
+
+/// The form of a mark: no two kinds are told apart by colour alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// A point.
+    Dot,
+    /// Points in the colours of signed data.
+    Signed,
+    /// A large point.
+    Disc,
+    /// A body.
+    Body,
+    /// A line.
+    Line,
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use endcomfort_core::job::{DroppedCloud, Request, Stage};
+use endcomfort_core::job::{DroppedCloud, Request, SetShape, Stage};
 use endcomfort_core::scene::Scene;
 
 /// Everything that a person can change and that changes the result: one step of undo.
@@ -16,24 +16,39 @@ pub struct Document {
     pub cluster: Option<usize>,
     /// The grasp to plan with; `None` tries them in their order of rank.
     pub grasp: Option<u32>,
+    /// A shape that a person set in place of a cluster's fit.
+    pub shape: Option<SetShape>,
 }
 
 impl Document {
     /// A scene as it was opened.
     pub fn new(scene: Arc<Scene>) -> Self {
-        Self { scene, cloud: None, cluster: None, grasp: None }
+        Self { scene, cloud: None, cluster: None, grasp: None, shape: None }
     }
 
     /// The request that runs the pipeline for this document.
     pub fn request(&self, revision: u64) -> Request {
         Request {
             revision,
-            scene: (*self.scene).clone(),
             cloud: self.cloud.as_deref().cloned(),
             cluster: self.cluster,
             grasp: self.grasp,
-            last: Stage::Plan,
+            shape: self.shape,
+            ..Request::new((*self.scene).clone())
         }
+    }
+
+    /// The first stage whose answer may differ between two documents.
+    pub(super) fn first_difference(&self, other: &Self) -> Stage {
+        let (mut mine, mut others) = (self.clone(), other.clone());
+        for document in [&mut mine, &mut others] {
+            document.shape = None;
+            document.grasp = None;
+        }
+        if mine.scene.fit != others.scene.fit {
+            Arc::make_mut(&mut mine.scene).fit = others.scene.fit.clone();
+        }
+        if mine == others { Stage::Fit } else { Stage::Scene }
     }
 }
 
@@ -55,6 +70,11 @@ impl History {
         if self.past.len() > Self::LONGEST {
             self.past.remove(0);
         }
+    }
+
+    /// The document before the newest edit.
+    pub(super) fn newest(&self) -> Option<&Document> {
+        self.past.last()
     }
 
     /// Forgets the newest step: its edit never came to stand.

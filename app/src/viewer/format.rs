@@ -71,7 +71,7 @@ pub(super) fn manipulability(value: f64) -> String {
 }
 
 /// A whole number in groups of three, set apart by thin spaces.
-pub(super) fn count(value: usize) -> String {
+pub fn count(value: usize) -> String {
     let digits = value.to_string();
     let mut text = String::with_capacity(digits.len() + digits.len() / 3 * 3);
     for (i, digit) in digits.chars().enumerate() {

@@ -2,15 +2,19 @@
 
 use egui::{Context, Key, Modifiers};
 
-use super::{Command, NamedView, Overlay, ViewerState};
+use endcomfort_core::job::Stage;
+
+use super::state::Step;
+use super::{Command, LabCommand, NamedView, Overlay, ViewerState};
 
 /// What the help overlay lists: key, what it does.
-pub(super) const LIST: [(&str, &str); 14] = [
+pub(super) const LIST: [(&str, &str); 15] = [
     ("Space", "Play or pause"),
     ("Left  Right", "Back or forth by 0.1 s"),
     ("Home  End", "Start or end of the plan"),
     ("Up  Down", "Select the grasp above or below"),
     ("F", "Frame everything"),
+    ("V", "Fit step: as a body, by lines, by error"),
     ("1  3  7", "Look from the front, the side, above"),
     ("Drag", "Turn about the point under the pointer"),
     ("Right drag, Shift drag", "Move"),
@@ -63,9 +67,11 @@ pub(super) fn commands(ctx: &Context, state: &ViewerState) -> Vec<Command> {
             (Key::Num1, Command::Look(NamedView::Front)),
             (Key::Num3, Command::Look(NamedView::Side)),
             (Key::Num7, Command::Look(NamedView::Top)),
+            (Key::V, Command::Lab(LabCommand::NextView)),
             (Key::G, Command::Show(toggled(Overlay::Gallery))),
         ] {
-            if input.key_pressed(key) {
+            let has_fit = state.selection.step == Step::Stage(Stage::Fit);
+            if input.key_pressed(key) && (key != Key::V || has_fit) {
                 commands.push(command);
             }
         }

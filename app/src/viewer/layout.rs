@@ -7,6 +7,8 @@ use super::theme::MARGIN;
 
 /// Below this width, points, the side panels become drawers.
 pub(super) const NARROW: f32 = 900.0;
+/// Below this width, points, the top bar keeps only what is nowhere else.
+const PHONE: f32 = 560.0;
 const TOP_BAR: f32 = 44.0;
 const TIMELINE: f32 = 122.0;
 
@@ -21,6 +23,8 @@ pub(super) struct Layout {
     /// What the panels leave free of the view.
     pub(super) free: Rect,
     pub(super) is_narrow: bool,
+    /// As narrow as a phone: what can be reached elsewhere leaves the top bar.
+    pub(super) is_phone: bool,
 }
 
 impl Layout {
@@ -46,6 +50,7 @@ impl Layout {
             timeline,
             free: Rect::from_min_max(pos2(free_x0, top.bottom()), pos2(free_x1, timeline.top())),
             is_narrow,
+            is_phone: window.width() < PHONE,
         }
     }
 

@@ -79,6 +79,15 @@ impl Outputs {
                 self.plan = dated(revision, *value);
                 Stage::Plan
             }
+            // The lab takes it before anybody puts it here.
+            Output::Objective(_) => Stage::Fit,
+        }
+    }
+
+    /// The cloud and its clusters belong to a newer revision too.
+    pub(super) fn keep_clusters(&mut self, revision: u64) {
+        if let (Some(scene), Some(segment)) = (&mut self.scene, &mut self.segment) {
+            (scene.revision, segment.revision) = (revision, revision);
         }
     }
 

@@ -6,7 +6,7 @@ use endcomfort_core::grasp::{Grasp, Situated};
 use endcomfort_core::job::{Refusal, Stage};
 
 use super::document::History;
-use super::{ComposeInput, Demo, Document, Layers, Outputs, Playback, Posture, RobotChoice, ViewKey};
+use super::{ComposeInput, Demo, Document, Lab, Layers, Outputs, Playback, Posture, RobotChoice, ViewKey};
 
 /// Everything the interface knows. Panels read it; [`ViewerState::apply`] and [`ViewerState::receive`] change it.
 pub struct ViewerState {
@@ -30,6 +30,8 @@ pub struct ViewerState {
     pub playback: Playback,
     /// How the grasp table is sorted and filtered.
     pub table: TableView,
+    /// The fit under examination.
+    pub lab: Lab,
     /// What covers the page.
     pub overlay: Overlay,
     /// In a narrow window, the side panel that is open.
@@ -243,6 +245,7 @@ impl ViewerState {
             layers: Layers::default(),
             playback: Playback::default(),
             table: TableView { sort: Column::Number, reversed: false, rejected: true },
+            lab: Lab::default(),
             overlay: Overlay::None,
             drawer: None,
             messages: Vec::new(),
@@ -310,6 +313,7 @@ impl ViewerState {
     /// How the robot stands in the picture.
     pub fn posture(&self) -> Posture {
         match (self.selection.ik, self.selection.grasp, &self.outputs.plan) {
+            _ if self.lab_key().is_some() => Posture::Start,
             (Some(ik), Some(grasp), _) if !self.playback.playing => Posture::Ik { grasp, at: ik.at, index: ik.index },
             (_, _, Some(_)) => Posture::Plan { time_s: self.playback.time_s },
             _ => Posture::Start,
@@ -318,6 +322,7 @@ impl ViewerState {
 
     /// What the picture is made from.
     pub fn compose_input(&self, dark: bool) -> ComposeInput<'_> {
+        let lab = self.lab_key();
         ComposeInput {
             scene: &self.document.scene,
             document: &self.document,
@@ -327,6 +332,8 @@ impl ViewerState {
             hover: &self.hover,
             layers: &self.layers,
             posture: self.posture(),
+            lab,
+            trial: lab.and_then(|lab| self.comparison()?.fit(lab.objective?)),
             dark,
         }
     }
@@ -340,6 +347,7 @@ impl ViewerState {
             hover: self.hover.clone(),
             layers: self.layers,
             posture: self.posture(),
+            lab: self.lab_key(),
             dark,
         }
     }
@@ -395,13 +403,18 @@ impl ViewerState {
         known.map_or_else(|| super::format::title_of(name), |robot| robot.title.clone())
     }
 
-    /// Replaces the document: a new revision, the old results stale until new ones stand.
+    /// Replaces the document: a new revision, the old results stale until new ones stand. What the change does not
+    /// reach stays as it is.
     pub(super) fn set_document(&mut self, document: Document) {
+        let reach = if self.has_current_clusters() { self.document.first_difference(&document) } else { Stage::Scene };
         self.newest_revision += 1;
         self.revision = self.newest_revision;
         self.document = document;
         self.running = true;
-        for stage in Stage::ALL {
+        if reach > Stage::Scene {
+            self.outputs.keep_clusters(self.revision);
+        }
+        for stage in Stage::ALL.into_iter().filter(|&stage| stage >= reach) {
             *self.stage_mut(stage) =
                 if self.outputs.revision(stage).is_some() { StageState::Stale } else { StageState::Waiting };
         }

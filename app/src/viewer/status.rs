@@ -1,6 +1,6 @@
 //! The state as JSON, for the page's test interface and for people who script the page.
 
-use endcomfort_core::job::Stage;
+use endcomfort_core::job::{ObjectiveFit, Stage};
 use endcomfort_core::task::plan_json_lines;
 use serde_json::{Value, json};
 
@@ -26,6 +26,9 @@ impl ViewerState {
             "points": outputs.scene.as_ref().map(|scene| scene.cloud.points.len()),
             "clusters": outputs.segment.as_ref().map(|segment| segment.clusters.len()),
             "fit_radial_m": fit.map(|fit| fit.radial_m),
+            "fit": self.fit_status(),
+            "objectives": self.comparison().map_or_else(Vec::new, |comparison| comparison.rows.iter().map(objective_status).collect()),
+            "step": self.selection.step.title().to_lowercase(),
             "candidates": outputs.candidates().len(),
             "accepted": outputs.rank.as_ref().map(|rank| rank.accepted),
             "selected_grasp": self.selection.grasp,
@@ -39,6 +42,24 @@ impl ViewerState {
                 Overlay::Help => json!("help"),
             },
             "messages": self.messages.iter().map(|message| &message.text).collect::<Vec<_>>(),
+        })
+    }
+
+    /// The fit that the inspector shows.
+    fn fit_status(&self) -> Value {
+        let (Some(fit), Some(cluster)) = (self.examined_fit(), self.examined_cluster()) else { return Value::Null };
+        json!({
+            "cluster": cluster,
+            "superquadric": fit.superquadric,
+            "radial_m": fit.radial_m,
+            "goodness_of_fit": fit.goodness_of_fit,
+            "goodness_of_fit_abs": fit.goodness_of_fit_abs,
+            "volume_m3": fit.volume_m3,
+            "parts": fit.bodies().count(),
+            "mirrored": fit.mirrored.len(),
+            "rejected": fit.rejected.len(),
+            "objective": self.document.scene.fit.objective,
+            "by_hand": self.automatic_fit().is_some(),
         })
     }
 
@@ -63,5 +84,19 @@ impl ViewerState {
         let robot = assets::library().robot(&self.document.scene.robot).ok()?;
         let lines: Vec<String> = plan_json_lines(&plan.value, &robot).iter().map(Value::to_string).collect();
         Some(lines.join("\n"))
+    }
+}
+
+fn objective_status((elapsed_ms, row): &(f64, ObjectiveFit)) -> Value {
+    match &row.fit {
+        Ok(fit) => json!({
+            "objective": row.objective,
+            "radial_m": fit.radial_m,
+            "goodness_of_fit": fit.goodness_of_fit,
+            "volume_m3": fit.volume_m3,
+            "iterations": fit.iterations,
+            "fit_ms": elapsed_ms,
+        }),
+        Err(reason) => json!({ "objective": row.objective, "reason": reason, "fit_ms": elapsed_ms }),
     }
 }

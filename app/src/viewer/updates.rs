@@ -8,6 +8,10 @@ use super::{Effect, Overlay, ViewerState};
 impl ViewerState {
     /// Takes an update; one that belongs to another revision is dropped.
     pub fn receive(&mut self, update: Update) -> Vec<Effect> {
+        let update = match self.receive_in_lab(update) {
+            Ok(effects) => return effects,
+            Err(update) => update,
+        };
         let revision = match &update {
             Update::Progress { revision, .. }
             | Update::Done { revision, .. }
@@ -97,7 +101,10 @@ impl ViewerState {
         *self.stage_mut(stage) = StageState::Refused(refusal);
         self.playback.playing = false;
         self.selection.ik = None;
-        self.selection.step = Step::Stage(stage);
+        // Whoever works on the fit stays there: the stepper says what became of the later stages.
+        if !(self.selection.step == Step::Stage(Stage::Fit) && stage > Stage::Fit) {
+            self.selection.step = Step::Stage(stage);
+        }
         vec![Effect::Announce(format!("{} refused: {sentence}", stage.title()))]
     }
 }

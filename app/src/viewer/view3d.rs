@@ -3,15 +3,13 @@
 //! A picture is composed only when its [`ViewKey`] changed, and drawn only when it, the camera, the size or the theme
 //! changed; time runs here only while the camera travels.
 
-use egui::{
-    Align2, Color32, Mesh, PointerButton, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, vec2,
-};
+use egui::{Color32, PointerButton, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 use egui_wgpu::RenderState;
 use nalgebra::{Matrix3, Point2, Point3};
 
 use super::layout::Layout;
-use super::theme::{SECONDARY, SMALL, Tokens, font};
-use super::{Command, NamedView, Pick, Picture, Studio, Tone, ViewKey, ViewerState, format};
+use super::theme::{SECONDARY, Tokens, font};
+use super::{Command, NamedView, Pick, Picture, Studio, Tone, ViewKey, ViewerState, legends};
 use crate::render::{Bounds, BoundsCache, Camera, Named, Picker, Quality, Renderer, Target, Theme, View};
 
 /// Radians per point of dragging: a drag over 600 points turns by half a turn.
@@ -20,6 +18,11 @@ const TURN: f64 = std::f64::consts::PI / 600.0;
 const SETTLE_S: f64 = 0.2;
 /// How long the camera travels to a named view, seconds.
 const TRAVEL_S: f64 = 0.35;
+
+/// An examined fit is seen from beside its sensor: what was measured, and how it goes on where nothing was.
+const BESIDE_SENSOR_RAD: f64 = 0.75;
+/// … and from a little above.
+const LAB_PITCH_RAD: f64 = 0.38;
 
 /// The view and everything that it keeps between frames.
 pub(super) struct View3d {
@@ -42,6 +45,12 @@ pub(super) struct View3d {
     anchor: Option<Point3<f64>>,
     wants_frame: bool,
     was_framed: bool,
+    /// The examined cluster that the camera went to, and whether it looks at its rejected points.
+    examined: Option<(usize, bool)>,
+    /// Where the camera stood before it went there.
+    before_lab: Option<Camera>,
+    /// The next frame is taken from the side of this place.
+    wants_side: Option<Point3<f64>>,
 }
 
 /// A camera on its way.
@@ -49,6 +58,12 @@ struct Travel {
     from: Camera,
     to: Camera,
     passed_s: f64,
+}
+
+/// Where the cloud was seen from.
+fn sensor(state: &ViewerState) -> Option<Point3<f64>> {
+    let X_WC = state.outputs.scene.as_ref()?.cloud.X_FC?;
+    Some(X_WC.translation.vector.into())
 }
 
 /// What the texture shows.
@@ -83,6 +98,9 @@ impl View3d {
             anchor: None,
             wants_frame: true,
             was_framed: false,
+            examined: None,
+            before_lab: None,
+            wants_side: None,
         }
     }
 
@@ -120,6 +138,7 @@ impl View3d {
             self.picture = studio.compose(&state.compose_input(dark));
             self.composed = Some(key);
         }
+        self.go_to_lab(state);
         if self.wants_frame {
             self.frame_picture(&layout, rect);
         }
@@ -145,7 +164,12 @@ impl View3d {
         let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
         ui.painter().image(self.texture, rect, whole, Color32::WHITE);
         self.labels(ui, rect);
-        self.scale_bar(ui, &layout);
+        if let Some(legend) = &self.picture.legend {
+            legends::legend(ui, &layout, legend);
+        }
+        if let Some(bar) = &self.picture.scale {
+            legends::scale_bar(ui, &layout, bar);
+        }
         commands
     }
 
@@ -171,6 +195,11 @@ impl View3d {
         let Some(bounds) = self.picture.bounds.or_else(everything) else { return };
         let free = layout.free.size().max(Vec2::splat(1.0));
         let mut to = self.camera;
+        if let Some(side) = self.wants_side.take() {
+            let towards = side - bounds.center();
+            to.yaw_rad = towards.y.atan2(towards.x) + BESIDE_SENSOR_RAD;
+            to.pitch_rad = LAB_PITCH_RAD;
+        }
         to.frame(&bounds, [f64::from(free.x), f64::from(free.y)]);
         // The camera's field of view spans the whole picture, of which the free part is only a piece.
         to.distance_m *= f64::from(rect.height() / free.y);
@@ -181,6 +210,27 @@ impl View3d {
             self.camera = to;
             self.was_framed = true;
         }
+    }
+
+    /// The camera goes to a fit that is examined, and back when the robot is at work again.
+    fn go_to_lab(&mut self, state: &ViewerState) {
+        let examined = state.lab_key().map(|lab| (lab.cluster, lab.points_out_rejected));
+        if examined == self.examined {
+            return;
+        }
+        match (self.examined, examined) {
+            (None, Some(_)) => {
+                self.before_lab = self.was_framed.then_some(self.camera);
+                self.wants_frame = true;
+                self.wants_side = sensor(state);
+            }
+            (Some(_), Some(_)) => self.wants_frame = true,
+            (_, None) => match self.before_lab.take() {
+                Some(to) => self.travel = Some(Travel { from: self.camera, to, passed_s: 0.0 }),
+                None => self.wants_frame = true,
+            },
+        }
+        self.examined = examined;
     }
 
     fn travel_on(&mut self, ui: &Ui) {
@@ -324,43 +374,6 @@ impl View3d {
             ui.painter().rect(pill, 5.0, tokens.panel, line, StrokeKind::Inside);
             ui.painter().galley(pill.center() - 0.5 * galley.size(), galley, color);
             taken.push(pill);
-        }
-    }
-
-    /// The meaning of the data colours, low in the free part of the view.
-    fn scale_bar(&self, ui: &Ui, layout: &Layout) {
-        const STEPS: usize = 48;
-        let Some(bar) = &self.picture.scale else { return };
-        let tokens = Tokens::of(ui);
-        let width = (layout.free.width() - 48.0).min(280.0);
-        if width < 80.0 {
-            return;
-        }
-        let rect = Rect::from_min_size(layout.free.left_bottom() + vec2(24.0, -46.0), vec2(width, 8.0));
-        let back = rect.expand2(vec2(10.0, 8.0)).with_max_y(rect.bottom() + 26.0);
-        ui.painter().rect_filled(back, 6.0, tokens.panel.gamma_multiply(0.75));
-        let mut mesh = Mesh::default();
-        let (min, max) = (bar.scale.min, bar.scale.max);
-        for step in 0..=STEPS {
-            let u = step as f64 / STEPS as f64;
-            let [r, g, b, _] = bar.scale.color(min + u * (max - min)).map(|c| (255.0 * c).round() as u8);
-            let x = rect.left() + rect.width() * u as f32;
-            mesh.colored_vertex(pos2(x, rect.top()), Color32::from_rgb(r, g, b));
-            mesh.colored_vertex(pos2(x, rect.bottom()), Color32::from_rgb(r, g, b));
-            if step > 0 {
-                let i = 2 * step as u32;
-                mesh.add_triangle(i - 2, i - 1, i);
-                mesh.add_triangle(i - 1, i, i + 1);
-            }
-        }
-        ui.painter().add(mesh);
-        let y = rect.bottom() + 4.0;
-        for (x, anchor, text) in [
-            (rect.left(), Align2::LEFT_TOP, format::significant(min)),
-            (rect.center().x, Align2::CENTER_TOP, bar.title.clone()),
-            (rect.right(), Align2::RIGHT_TOP, format::significant(max)),
-        ] {
-            let _rect = ui.painter().text(pos2(x, y), anchor, text, font(SMALL), tokens.secondary);
         }
     }
 }

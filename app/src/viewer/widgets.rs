@@ -169,21 +169,73 @@ pub(super) fn segmented(ui: &mut Ui, name: &str, words: &[&str], chosen: Option<
     for (index, (word, (galley, width))) in words.iter().zip(galleys.into_iter().zip(widths)).enumerate() {
         let cell = Rect::from_min_size(pos2(left, rect.top() + 2.0), vec2(width, rect.height() - 4.0));
         left += width;
-        let response = ui.interact(cell, ui.scope_id().with((name, index)), Sense::click());
-        let is_chosen = chosen == Some(index);
-        response.widget_info(|| WidgetInfo::selected(Role::RadioButton, true, is_chosen, *word));
-        if is_chosen {
-            let fill = if ui.visuals().dark_mode { tokens.view_edge } else { tokens.overlay };
-            ui.painter().rect(cell, SMALL_RADIUS - 1, fill, Stroke::new(1.0, tokens.line), StrokeKind::Inside);
-        }
-        let color = if is_chosen || response.hovered() { tokens.text } else { tokens.secondary };
-        ui.painter().galley_with_override_text_color(cell.center() - 0.5 * galley.size(), galley, color);
-        focus_ring(ui, &response, cell);
-        if response.on_hover_cursor(egui::CursorIcon::PointingHand).clicked() {
+        if segment(ui, (name, index), cell, word, galley, chosen == Some(index)) {
             clicked = Some(index);
         }
     }
     clicked
+}
+
+/// As [`segmented`] over the whole width; the words share it by their length.
+pub(super) fn segmented_wide(ui: &mut Ui, name: &str, words: &[&str], chosen: Option<usize>) -> Option<usize> {
+    let tokens = Tokens::of(ui);
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 30.0), Sense::hover());
+    ui.painter().rect_filled(rect, SMALL_RADIUS + 1, tokens.well);
+    let galleys: Vec<_> =
+        words.iter().map(|word| ui.painter().layout_no_wrap((*word).to_owned(), font(BODY), tokens.text)).collect();
+    let taken: f32 = galleys.iter().map(|galley| galley.size().x).sum();
+    let padding = (rect.width() - 4.0 - taken) / words.len().max(1) as f32;
+    let mut left = rect.left() + 2.0;
+    let mut clicked = None;
+    for (index, (word, galley)) in words.iter().zip(galleys).enumerate() {
+        let width = galley.size().x + padding;
+        let cell = Rect::from_min_size(pos2(left, rect.top() + 2.0), vec2(width, rect.height() - 4.0));
+        left += width;
+        if segment(ui, (name, index), cell, word, galley, chosen == Some(index)) {
+            clicked = Some(index);
+        }
+    }
+    clicked
+}
+
+/// One word of a segmented control; says whether it was clicked.
+fn segment(
+    ui: &Ui,
+    id: (&str, usize),
+    cell: Rect,
+    word: &str,
+    galley: std::sync::Arc<egui::Galley>,
+    is_chosen: bool,
+) -> bool {
+    let tokens = Tokens::of(ui);
+    let response = ui.interact(cell, ui.scope_id().with(id), Sense::click());
+    response.widget_info(|| WidgetInfo::selected(Role::RadioButton, true, is_chosen, word));
+    if is_chosen {
+        let fill = if ui.visuals().dark_mode { tokens.view_edge } else { tokens.overlay };
+        ui.painter().rect(cell, SMALL_RADIUS - 1, fill, Stroke::new(1.0, tokens.line), StrokeKind::Inside);
+    }
+    let color = if is_chosen || response.hovered() { tokens.text } else { tokens.secondary };
+    ui.painter().galley_with_override_text_color(cell.center() - 0.5 * galley.size(), galley, color);
+    focus_ring(ui, &response, cell);
+    response.on_hover_cursor(egui::CursorIcon::PointingHand).clicked()
+}
+
+/// A row with a switch at its end; says whether it was turned.
+pub(super) fn switch(ui: &mut Ui, text: &str, is_on: bool) -> bool {
+    let tokens = Tokens::of(ui);
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 28.0), Sense::click());
+    response.widget_info(|| WidgetInfo::selected(Role::Switch, true, is_on, text));
+    let line = Rect::from_min_max(rect.min, rect.max - vec2(44.0, 0.0));
+    let _text = text_in(ui, line, Align::Min, text, font(BODY), tokens.text);
+    let track = Rect::from_center_size(pos2(rect.right() - 16.0, rect.center().y), vec2(30.0, 17.0));
+    let fill = if is_on { tokens.teal } else { tokens.well };
+    let line = if is_on { tokens.teal } else { tokens.faint };
+    ui.painter().rect(track, 8.5, fill, Stroke::new(1.0, line), StrokeKind::Inside);
+    let x = if is_on { track.right() - 8.5 } else { track.left() + 8.5 };
+    let knob = if is_on { tokens.on_teal } else { tokens.secondary };
+    ui.painter().circle_filled(pos2(x, track.center().y), 5.5, knob);
+    focus_ring(ui, &response, rect.expand(2.0));
+    response.on_hover_cursor(egui::CursorIcon::PointingHand).clicked()
 }
 
 /// A thin hairline over the whole width.

@@ -2,8 +2,9 @@
 
 use nalgebra::{Point3, Vector3};
 
+use super::lab::signed_distances;
 use crate::cloud::{PointCloud, RgbdCamera, read_cloud};
-use crate::fit::{FitInput, fit};
+use crate::fit::{Fit, FitInput, FitSettings, fit};
 use crate::job::{DroppedCloud, FitOutput, Refusal, SceneOutput, SegmentOutput};
 use crate::library::Library;
 use crate::object::view_scene;
@@ -96,6 +97,18 @@ fn nearest_cluster(scene: &Scene, clusters: &[Vec<Point3<f64>>]) -> usize {
     by_distance.min_by(|l, r| l.1.total_cmp(&r.1)).map_or(0, |(index, _)| index)
 }
 
+/// The fit of one cluster, or the reason why there is none.
+pub(super) fn fit_cluster(
+    points: &[Point3<f64>],
+    settings: &FitSettings,
+    seen: &SceneOutput,
+    segments: &SegmentOutput,
+    watch: Watch<'_>,
+) -> Result<Fit, String> {
+    let input = FitInput { points, X_FC: seen.cloud.X_FC, table: Some(segments.table) };
+    fit(input, settings, watch).map_err(|refusal| refusal.to_string())
+}
+
 /// One fit per cluster.
 pub(super) fn fit_output(
     scene: &Scene,
@@ -103,12 +116,19 @@ pub(super) fn fit_output(
     segments: &SegmentOutput,
     watch: Watch<'_>,
 ) -> Result<FitOutput, Refusal> {
-    let fits = parallel::map(&segments.clusters, |points| {
-        let input = FitInput { points, X_FC: seen.cloud.X_FC, table: Some(segments.table) };
-        fit(input, &scene.fit, watch).map_err(|refusal| refusal.to_string())
-    });
+    let fits = parallel::map(&segments.clusters, |points| fit_cluster(points, &scene.fit, seen, segments, watch));
+    if watch.should_stop() {
+        // A neighbour's fit may have been stopped while the target's was done: nothing of it is worth remembering.
+        return Err(refused("stopped"));
+    }
     match &fits[segments.target] {
         Err(reason) => Err(refused(format!("the object to grasp cannot be fitted: {reason}"))),
-        Ok(_) => Ok(FitOutput { fits, target: segments.target }),
+        Ok(_) => {
+            let distances = |(fit, points): (&Result<Fit, String>, &Vec<Point3<f64>>)| {
+                fit.as_ref().map_or_else(|_| Vec::new(), |fit| signed_distances(fit, points))
+            };
+            let distances_m = fits.iter().zip(&segments.clusters).map(distances).collect();
+            Ok(FitOutput { fits, target: segments.target, distances_m, automatic: None })
+        }
     }
 }

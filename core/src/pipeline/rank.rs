@@ -18,8 +18,6 @@ use crate::watch::Watch;
 const ARM_ANGLES: usize = 24;
 /// Resolution of the meshes whose corners make collision hulls: 32 columns, 16 rows.
 const HULL_HALF: u32 = 4;
-/// A described object this close to a fit gives the fit its name, metres.
-const SAME_OBJECT_M: f64 = 0.08;
 
 /// Robot, obstacles and the object of a request.
 pub(super) fn workcell(
@@ -119,12 +117,7 @@ fn obstacles(
 
 /// The described object that stands there, or the number of the cluster.
 fn neighbour_name(scene: &Scene, X_WS: &Isometry3<f64>, index: usize, is_dropped: bool) -> String {
-    let horizontal = |X: &Isometry3<f64>| X.translation.vector.xy();
-    let described = scene
-        .objects
-        .iter()
-        .filter(|_| !is_dropped)
-        .find(|placed| (horizontal(&placed.X_WO) - horizontal(X_WS)).norm() < SAME_OBJECT_M);
+    let described = scene.object_at(X_WS).filter(|_| !is_dropped);
     described.map_or_else(|| format!("cluster {index}"), |placed| placed.object.replace('_', " "))
 }
 

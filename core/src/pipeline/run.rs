@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::memory::{Memory, text};
-use super::{perceive, rank};
+use super::{lab, perceive, rank};
 use crate::grasp::{Grasp, GraspSettings};
 use crate::job::{
     FitOutput, GraspsOutput, Output, RankOutput, Refusal, Request, SceneOutput, SegmentOutput, Stage, Update,
@@ -18,6 +18,8 @@ pub struct Pipeline {
     scene: Memory<SceneOutput>,
     segment: Memory<SegmentOutput>,
     fit: Memory<FitOutput>,
+    /// The fits with the shape that a person set among them.
+    shaped: Memory<FitOutput>,
     grasps: Memory<(Workcell, Vec<Grasp>)>,
     rank: Memory<Vec<Grasp>>,
     plan: Memory<Plan>,
@@ -31,6 +33,7 @@ impl Pipeline {
             scene: Memory::default(),
             segment: Memory::default(),
             fit: Memory::default(),
+            shaped: Memory::default(),
             grasps: Memory::default(),
             rank: Memory::default(),
             plan: Memory::default(),
@@ -42,7 +45,12 @@ impl Pipeline {
     /// The answer depends on the request alone. Times are read from the watch's clock.
     pub fn run(&mut self, request: &Request, watch: &Watch<'_>, emit: &mut dyn FnMut(Update)) {
         let revision = request.revision;
-        for stage in Stage::ALL.into_iter().take_while(|stage| *stage <= request.last) {
+        if let Some(cluster) = request.compare {
+            self.compare(request, cluster, *watch, emit);
+            emit(Update::Finished { revision });
+            return;
+        }
+        for stage in Stage::ALL.into_iter().filter(|stage| (request.first..=request.last).contains(stage)) {
             if watch.should_stop() {
                 break;
             }
@@ -60,6 +68,19 @@ impl Pipeline {
             }
         }
         emit(Update::Finished { revision });
+    }
+
+    /// Fits a cluster with each objective, all other settings as they are.
+    fn compare(&mut self, request: &Request, cluster: usize, watch: Watch<'_>, emit: &mut dyn FnMut(Update)) {
+        let revision = request.revision;
+        if let Err(refusal) = self.stage(request, Stage::Segment, watch) {
+            emit(Update::Refused { revision, stage: Stage::Segment, refusal });
+            return;
+        }
+        let (Some(seen), Some(segments)) = (self.scene.last(), self.segment.last()) else { return };
+        lab::compare(&request.scene, seen, segments, cluster, watch, &mut |elapsed_ms, output| {
+            emit(Update::Done { revision, elapsed_ms, output: Box::new(Output::Objective(Box::new(output))) });
+        });
     }
 
     /// Robot, obstacles and object of the last request that came as far as grasps.
@@ -96,7 +117,11 @@ impl Pipeline {
         }
 
         inputs.push(text(&scene.fit));
-        let fits = self.fit.get(inputs.clone(), || perceive::fit_output(scene, seen, segments, watch))?;
+        let mut fits = self.fit.get(inputs.clone(), || perceive::fit_output(scene, seen, segments, watch))?;
+        if let Some(shape) = &request.shape {
+            inputs.push(text(shape));
+            fits = self.shaped.get(inputs.clone(), || lab::with_shape(fits, segments, shape))?;
+        }
         if stage == Stage::Fit {
             return Ok(Output::Fit(fits.clone()));
         }

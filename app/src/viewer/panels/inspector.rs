@@ -9,6 +9,9 @@ use crate::viewer::state::{StageState, Step};
 use crate::viewer::theme::{SECONDARY, Tokens};
 use crate::viewer::widgets::{paragraph, title};
 
+/// Room for the scroll bar, points.
+const SCROLL_BAR: f32 = 11.0;
+
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     ui.spacing_mut().item_spacing.y = 2.0;
     match state.selection.step {
@@ -17,7 +20,13 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
             grasps::draw(ui, state, stage, out);
         }
         step => {
-            egui::ScrollArea::vertical().id_salt(("Inspector", step.title())).auto_shrink(false).show(ui, |ui| {
+            // The bar stands in the panel's margin, beside the numbers and not over them.
+            let (inside, width) = (ui.available_rect_before_wrap(), ui.available_width());
+            let beside = inside.with_max_x(inside.right() + SCROLL_BAR);
+            let mut ui = ui.new_child(egui::UiBuilder::new().max_rect(beside));
+            let area = egui::ScrollArea::vertical().id_salt(("Inspector", step.title())).auto_shrink(false);
+            area.show(&mut ui, |ui| {
+                ui.set_max_width(width);
                 match step {
                     Step::Stage(stage) if is_refused(state, stage) => refused(ui, state, stage, out),
                     Step::Stage(Stage::Scene) => scene::draw(ui, state, out),

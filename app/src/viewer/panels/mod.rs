@@ -19,10 +19,11 @@ mod toasts;
 mod top_bar;
 
 use egui::{Ui, vec2};
+use endcomfort_core::fit::ObjectiveKind;
 
 use super::layout::Layout;
 use super::widgets::panel;
-use super::{Command, Overlay, ViewerState, keys};
+use super::{Command, LabCommand, Overlay, ViewerState, keys};
 
 /// What the panels collect in one pass.
 #[derive(Default)]
@@ -32,6 +33,8 @@ struct Out {
     grasp: Option<u32>,
     /// The cluster whose row is under the pointer.
     cluster: Option<usize>,
+    /// The objective whose row is under the pointer.
+    objective: Option<ObjectiveKind>,
 }
 
 impl Out {
@@ -72,6 +75,9 @@ fn follow_pointer(ui: &Ui, state: &ViewerState, layout: &Layout, out: &mut Out) 
         let panels = [Some(layout.top), layout.left, layout.right, Some(layout.timeline)];
         panels.into_iter().flatten().any(|rect| rect.contains(pointer))
     });
+    if state.lab.hovered != out.objective {
+        out.commands.push(Command::Lab(LabCommand::HoverObjective(out.objective)));
+    }
     if over_panel {
         if state.hover.grasp != out.grasp {
             out.commands.push(Command::HoverGrasp(out.grasp));

@@ -7,6 +7,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::Out;
 use super::inspector::heading;
+use crate::viewer::layout::Layout;
 use crate::viewer::theme::{SECONDARY, Tokens};
 use crate::viewer::widgets::{key_value, paragraph, section, segmented};
 use crate::viewer::{Command, ViewerState, format};
@@ -26,6 +27,10 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
             );
         }
         None => heading(ui, state, Stage::Scene, &scene.title, &scene.summary),
+    }
+    if Layout::new(ui.ctx().content_rect(), None).is_phone {
+        super::top_bar::robot_switch(ui, state, out);
+        ui.add_space(6.0);
     }
     ui.horizontal(|ui| {
         let chosen = Some(usize::from(scene.arm == ArmChoice::Right));

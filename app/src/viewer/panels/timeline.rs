@@ -118,9 +118,11 @@ fn values(ui: &Ui, plan: &Plan, time_s: f64, rect: Rect) {
     }
     if let Some(m) = playback::manipulability_at(plan, time_s) {
         say("m(q)", format::manipulability(m));
-        say("of", format::manipulability(highest(plan)));
+        if rect.width() > 250.0 {
+            say("of", format::manipulability(highest(plan)));
+        }
     }
-    if let Some(clearance_m) = playback::clearance_at(plan, time_s) {
+    if let Some(clearance_m) = playback::clearance_at(plan, time_s).filter(|_| rect.width() > 220.0) {
         say("clearance", format::length(clearance_m));
     }
     let mut right = rect.right();

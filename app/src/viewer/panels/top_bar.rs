@@ -19,9 +19,15 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, layout: &Layout, out: &mut 
                 out.push(Command::ToggleDrawer(Side::Left));
             }
         }
-        wordmark(ui);
-        robot_switch(ui, state, out);
-        let right_part = if layout.is_narrow { 204.0 } else { 300.0 };
+        if !layout.is_phone {
+            wordmark(ui);
+            robot_switch(ui, state, out);
+        }
+        let right_part = match (layout.is_phone, layout.is_narrow) {
+            (true, _) => 150.0,
+            (_, true) => 204.0,
+            _ => 300.0,
+        };
         demo_menu(ui, state, (ui.available_width() - right_part).max(60.0), out);
         ui.with_layout(UiLayout::right_to_left(Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
@@ -43,7 +49,8 @@ fn wordmark(ui: &mut Ui) {
     ui.painter().galley(pos2(x, y), comfort, tokens.teal_text);
 }
 
-fn robot_switch(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
+/// Which robot acts.
+pub(super) fn robot_switch(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     let titles: Vec<&str> = state.robots.iter().map(|robot| robot.title.as_str()).collect();
     let chosen = state.robots.iter().position(|robot| robot.name == state.document.scene.robot);
     if let Some(index) = segmented(ui, "Robot", &titles, chosen) {
@@ -122,10 +129,10 @@ fn right_part_of(ui: &mut Ui, state: &ViewerState, layout: &Layout, out: &mut Ou
     if icon_button(ui, icon, name, true, false).clicked() {
         out.push(Command::SetTheme(choice));
     }
-    if icon_button(ui, Icon::Camera, "Save a picture of the view", true, false).clicked() {
+    if !layout.is_phone && icon_button(ui, Icon::Camera, "Save a picture of the view", true, false).clicked() {
         out.push(Command::Screenshot);
     }
-    if icon_button(ui, Icon::Frame, "Frame everything (F)", true, false).clicked() {
+    if !layout.is_phone && icon_button(ui, Icon::Frame, "Frame everything (F)", true, false).clicked() {
         out.push(Command::FrameAll);
     }
     if icon_button(ui, Icon::Redo, "Redo (Ctrl Shift Z)", state.can_redo(), false).clicked() {

@@ -3,9 +3,11 @@
 use std::sync::Arc;
 
 use endcomfort_core::cloud::{PixelGrid, PointCloud};
-use endcomfort_core::fit::{Fit, FitSettings, RunReport, StopReason};
+use endcomfort_core::fit::{Fit, FitSettings, ModelReport, ObjectiveKind, RejectedPoint, RunReport, StopReason};
 use endcomfort_core::grasp::{Contact, Grasp, GraspStatus, Obstruction, Situated};
-use endcomfort_core::job::{FitOutput, GraspsOutput, Output, RankOutput, SceneOutput, SegmentOutput, Update};
+use endcomfort_core::job::{
+    FitOutput, GraspsOutput, ObjectiveFit, Output, RankOutput, SceneOutput, SegmentOutput, Update,
+};
 use endcomfort_core::plan::Trajectory;
 use endcomfort_core::rng::Rng;
 use endcomfort_core::scene::{ArmChoice, Obstacle, PlacedObject, SCENE_VERSION, Scene, TableTop, Task};
@@ -114,40 +116,10 @@ pub(super) fn outputs() -> Vec<(f64, Output)> {
     ] {
         fates[range].fill(fate);
     }
-    let fit = |a: f64| Fit {
-        superquadric: Superquadric {
-            a,
-            b: 0.0347,
-            c: 0.0661,
-            e1: 0.24,
-            e2: 0.98,
-            X_FS: Isometry3::translation(0.6, -0.2, 0.81),
-            taper: 0.0,
-            bend_per_m: 0.0,
-        },
-        radial_m: 0.000_82,
-        goodness_of_fit: 0.0143,
-        goodness_of_fit_abs: 0.0871,
-        volume_m3: 4.1e-4,
-        iterations: 84,
-        points: 1820,
-        used_points: 212,
-        mirrored: points[..106].to_vec(),
-        mirror_note: "Mirrored across the plane through the axis, 12° from the line of sight; 106 points were added."
-            .to_owned(),
-        runs: (1..=3)
-            .map(|i| RunReport {
-                name: format!("principal box, axis {i} as z"),
-                points: 212,
-                rms: vec![0.012, 0.004, 0.0013],
-                iterations: 20 + i,
-                stop: StopReason::Converged,
-            })
-            .collect(),
-        rejected: Vec::new(),
-        models: Vec::new(),
-        others: Vec::new(),
-    };
+    let fit = |a: f64| fit(a, &points);
+    let distances: Vec<Vec<f64>> = [1820, 1204, 0]
+        .map(|n| (0..n).map(|i| 0.0012 * ((i as f64 * 0.7).sin() + (i as f64 * 1.3).cos())).collect())
+        .to_vec();
     let candidates = candidates();
     let mut handled = candidates.clone();
     for grasp in handled
@@ -187,6 +159,8 @@ pub(super) fn outputs() -> Vec<(f64, Output)> {
             Output::Fit(FitOutput {
                 fits: vec![Ok(fit(0.0351)), Ok(fit(0.04)), Err("Only 24 points are left after thinning.".to_owned())],
                 target: 0,
+                distances_m: distances,
+                automatic: None,
             }),
         ),
         (
@@ -200,6 +174,67 @@ pub(super) fn outputs() -> Vec<(f64, Output)> {
         (21.4, Output::Rank(RankOutput { grasps: candidates.clone(), accepted })),
         (6.3, Output::Plan(Box::new(plan(candidates[0].clone())))),
     ]
+}
+
+/// A fit of a cluster with semi-axis a, metres.
+pub(super) fn fit(a: f64, points: &[Point3<f64>]) -> Fit {
+    Fit {
+        superquadric: Superquadric {
+            a,
+            b: 0.0347,
+            c: 0.0661,
+            e1: 0.24,
+            e2: 0.98,
+            X_FS: Isometry3::translation(0.6, -0.2, 0.81),
+            taper: 0.0,
+            bend_per_m: 0.0,
+        },
+        radial_m: 0.000_82,
+        goodness_of_fit: 0.0143,
+        goodness_of_fit_abs: 0.0871,
+        volume_m3: 4.1e-4,
+        iterations: 84,
+        points: 1820,
+        used_points: 212,
+        mirrored: points[..106].to_vec(),
+        mirror_note: "Mirrored across the plane through the axis, 12° from the line of sight; 106 points were added."
+            .to_owned(),
+        runs: (1..=9)
+            .map(|i| RunReport {
+                name: format!("principal box, axis {i} as z"),
+                points: 212,
+                rms: (0..(6 + i % 5)).map(|k| 0.0008 * f64::from(i) + 0.012 * 0.45_f64.powi(k as i32)).collect(),
+                iterations: 20 + i,
+                stop: if i == 4 { StopReason::IterationLimit } else { StopReason::Converged },
+            })
+            .collect(),
+        rejected: points[..14]
+            .iter()
+            .map(|p_F| RejectedPoint { p_F: *p_F, distance_m: 0.021, limit_m: 0.0083 })
+            .collect(),
+        models: [("plain", -1204.0, 0.0019, false), ("taper", -1239.5, 0.0011, true), ("bend", -1198.1, 0.0019, false)]
+            .map(|(name, criterion, rms_m, is_chosen)| ModelReport { name: name.into(), criterion, rms_m, is_chosen })
+            .to_vec(),
+        others: Vec::new(),
+    }
+}
+
+/// What a comparison of the objectives sends.
+pub(super) fn objectives(revision: u64) -> Vec<Update> {
+    let made = |(index, objective): (usize, ObjectiveKind)| {
+        let fit = if objective == ObjectiveKind::Ichim {
+            Err("the cluster has 9 finite points, a fit wants at least 12".to_owned())
+        } else {
+            let factor = 1.0 + 0.37 * index as f64;
+            let plain = fit(0.0351 * factor, &[Point3::origin(); 200]);
+            Ok(Fit { radial_m: 0.000_82 * factor, goodness_of_fit: 0.0143 / factor, ..plain })
+        };
+        let row = ObjectiveFit { cluster: 0, objective, fit };
+        let output = Box::new(Output::Objective(Box::new(row)));
+        Update::Done { revision, elapsed_ms: 3.2 + 11.0 * index as f64, output }
+    };
+    let rows = ObjectiveKind::ALL.into_iter().enumerate().map(made);
+    rows.chain([Update::Finished { revision }]).collect()
 }
 
 fn candidates() -> Vec<Grasp> {

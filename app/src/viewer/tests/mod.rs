@@ -2,6 +2,7 @@
 
 mod behaviour;
 mod invented;
+mod lab;
 mod pictures;
 mod view;
 

@@ -4,11 +4,12 @@ use endcomfort_core::job::{Refusal, Stage, Update};
 
 use super::{Page, invented, page};
 use crate::viewer::state::{IkChoice, Side, Situation, Step};
-use crate::viewer::{Command, Overlay, Tokens, ViewerState};
+use crate::viewer::{Command, LabCommand, LabPage, Overlay, Tokens, ViewerState};
 
 const LARGE: [f32; 2] = [1440.0, 900.0];
 const SMALL: [f32; 2] = [1280.0, 720.0];
 const NARROW: [f32; 2] = [700.0, 900.0];
+const PHONE: [f32; 2] = [390.0, 844.0];
 
 fn at(step: Step) -> ViewerState {
     let mut state = invented::planned();
@@ -20,6 +21,20 @@ fn at(step: Step) -> ViewerState {
 fn with(mut state: ViewerState, commands: impl IntoIterator<Item = Command>) -> ViewerState {
     for command in commands {
         let _effects = state.apply(command);
+    }
+    state
+}
+
+/// The fit lab, open on a page.
+fn lab(page: LabPage) -> ViewerState {
+    with(invented::planned(), [Command::SelectStep(Step::Stage(Stage::Fit)), Command::Lab(LabCommand::Page(page))])
+}
+
+/// The five objectives, side by side.
+fn compared() -> ViewerState {
+    let mut state = with(lab(LabPage::Search), [Command::Lab(LabCommand::Compare)]);
+    for update in invented::objectives(state.revision) {
+        let _none = state.receive(update);
     }
     state
 }
@@ -82,6 +97,13 @@ fn every_screen_is_drawn_in_both_themes() {
     for stage in [Stage::Scene, Stage::Segment, Stage::Fit, Stage::Grasps, Stage::Plan] {
         screens.push((stage.title(), SMALL, at(Step::Stage(stage))));
     }
+    for page in LabPage::ALL {
+        let name = format!("fit-{}", page.title());
+        screens.push((Box::leak(name.into_boxed_str()), SMALL, lab(page)));
+    }
+    screens.push(("fit-search", LARGE, compared()));
+    screens.push(("fit-result", PHONE, with(lab(LabPage::Result), [Command::ToggleDrawer(Side::Right)])));
+    screens.push(("fit-shape", PHONE, with(lab(LabPage::Shape), [Command::ToggleDrawer(Side::Right)])));
     let mut told = at(Step::Stage(Stage::Grasps));
     let _none = told.apply(Command::FileFailed {
         name: "bunny.pcd".to_owned(),
