@@ -19,7 +19,7 @@ const POINT_M: [f64; 2] = [0.0018, 0.0011];
 /// Diameter of a mirrored point: there are many, and what was measured comes first.
 const MIRRORED_M: [f64; 2] = [0.0009, 0.0007];
 /// Diameter of a rejected point, metres, and when the view points at it.
-const REJECTED_M: [f64; 2] = [0.0045, 0.008];
+const REJECTED_M: [f64; 2] = [0.0032, 0.007];
 /// Share of the points whose errors the colours resolve; the few beyond take the end colours.
 const RESOLVED: f64 = 0.98;
 
@@ -87,7 +87,11 @@ impl LabContent<'_> {
             }
         }
         if rejected > 0 {
-            add(Mark::Disc, palette.rejected, format!("{} rejected points", count(rejected)));
+            let (color, words) = match self.view {
+                FitView::Error => (palette.ghost_line, "rejected points, drawn larger"),
+                _ => (palette.rejected, "rejected points"),
+            };
+            add(Mark::Disc, color, format!("{} {words}", count(rejected)));
         }
         let body = if self.view == FitView::Wire { Mark::Line } else { Mark::Body };
         let parts = self.fit.bodies().count();
@@ -174,8 +178,17 @@ fn add_points(frame: &mut Frame, lab: &LabContent<'_>, palette: &Palette) {
         }
     };
     let (mut inputs, mut colors) = (Vec::new(), Vec::new());
-    for (index, p_W) in lab.points.iter().enumerate().filter(|(_, p_W)| !left_out.contains(&key(p_W))) {
+    let (mut rejected, mut rejected_colors) = (Vec::new(), Vec::new());
+    for (index, p_W) in lab.points.iter().enumerate() {
         let distance_mm = lab.distances_m.get(index).map_or(f64::NAN, |d| 1e3 * d);
+        if left_out.contains(&key(p_W)) {
+            let [red, green, blue, _] = palette.rejected;
+            // Among errors a red of their own would read as “inside”: there they are told by their size.
+            let color = if lab.view == FitView::Error { scale.color(distance_mm) } else { [red, green, blue, 1.0] };
+            rejected.push(*p_W);
+            rejected_colors.push(color);
+            continue;
+        }
         let color = if lab.view == FitView::Error { scale.color(distance_mm) } else { palette.cloud };
         inputs.push(*p_W);
         colors.push(shown(color));
@@ -186,9 +199,7 @@ fn add_points(frame: &mut Frame, lab: &LabContent<'_>, palette: &Palette) {
     if lab.view != FitView::Error {
         add(lab.fit.mirrored.clone(), vec![shown(palette.mirrored)], MIRRORED_M[between_lines]);
     }
-    let rejected: Vec<Point3<f64>> = lab.fit.rejected.iter().map(|point| point.p_F).collect();
-    let [red, green, blue, _] = palette.rejected;
-    add(rejected, vec![[red, green, blue, 1.0]], REJECTED_M[usize::from(lab.points_out_rejected)]);
+    add(rejected, rejected_colors, REJECTED_M[usize::from(lab.points_out_rejected)]);
 }
 
 /// Meridians and rings of a superquadric's mesh (two poles, then rings of equal length from north to south).

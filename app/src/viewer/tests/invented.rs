@@ -279,6 +279,7 @@ fn candidates() -> Vec<Grasp> {
                 |link: &str| Contact { p_O: Point3::new(0.03, 0.0, 0.0), n_O: Vector3::x(), link: link.to_owned() };
             Grasp {
                 id: (i * 131) % 412,
+                part: 0,
                 X_OH: Isometry3::rotation(Vector3::new(0.3, 2.0 + 0.3 * rank.sin(), 0.4 * rank.cos())),
                 closed: vec![0.5; 7],
                 contacts: vec![contact("thumb"), contact("finger 1"), contact("finger 2"), contact("palm")],
