@@ -349,7 +349,8 @@ fn v_goes_through_the_ways_and_a_typed_number_sets_the_shape() {
 
 #[test]
 fn dragging_a_number_moves_the_error_and_hovering_an_objective_draws_it() {
-    let mut harness = window(Bench::new("mustard"), [1440.0, 900.0], true);
+    // A window so low that the page scrolls: the drag must be the number's, not the page's.
+    let mut harness = window(Bench::new("mustard"), [1280.0, 657.0], true);
     harness.state_mut().bench.lab(LabCommand::Page(LabPage::Shape));
     harness.run_steps(3);
     let fitted_m = harness.state().bench.radial_m();
