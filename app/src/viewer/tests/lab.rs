@@ -355,6 +355,10 @@ fn dragging_a_number_moves_the_error_and_hovering_an_objective_draws_it() {
     harness.run_steps(3);
     let fitted_m = harness.state().bench.radial_m();
     let at = harness.get_by_label("Semi-axis b, mm").rect().center();
+    // Long enough for the tooltip to come; it goes again with the press.
+    harness.hover_at(at);
+    harness.run_steps(8);
+    assert!(harness.query_by_label_contains("Half of the extent").is_some(), "the tooltip");
     harness.drag_at(at);
     harness.run_steps(1);
     for step in 1..=8 {
