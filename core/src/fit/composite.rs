@@ -13,7 +13,7 @@
 use nalgebra::{Point3, Vector3};
 
 use super::candidate::{Candidate, PLAIN};
-use super::frame::{centroid, principal_axes};
+use super::frame::{mean_radius_m, principal_axes};
 use super::models::{best_model, bic};
 use super::objective::{Objective, Residual};
 use super::prepare::Prepared;
@@ -74,9 +74,7 @@ pub(crate) fn split(
     watch: Watch<'_>,
 ) -> Result<Composite, FitRefusal> {
     let points = every_nth(&prepared.points, POINTS);
-    let center = centroid(points.iter().map(|(p, _)| p));
-    let radius_m = points.iter().map(|(p, _)| (p - center).norm()).sum::<f64>() / points.len().max(1) as f64;
-    let floor_m = FLOOR_M.max(FLOOR_SHARE * radius_m);
+    let floor_m = FLOOR_M.max(FLOOR_SHARE * mean_radius_m(&points));
     let context = Context { prepared, points, floor_m, settings, watch };
     let mut best = vec![single];
     let mut criterion = context.criterion(&best);

@@ -13,6 +13,12 @@ pub(crate) fn centroid<'a>(points: impl ExactSizeIterator<Item = &'a Point3<f64>
     Point3::from(points.map(|p| p.coords).sum::<Vector3<f64>>() / count)
 }
 
+/// Mean distance of the points from their mean, metres.
+pub(crate) fn mean_radius_m(points: &[(Point3<f64>, f64)]) -> f64 {
+    let center = centroid(points.iter().map(|(p, _)| p));
+    points.iter().map(|(p, _)| (p - center).norm()).sum::<f64>() / points.len().max(1) as f64
+}
+
 /// Principal axes as columns of a right-handed matrix, longest deviation first, and the deviations in metres.
 ///
 /// Each axis points to the side with the longer tail (third moment), so that the axes turn with the cloud.

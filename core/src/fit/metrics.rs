@@ -2,6 +2,7 @@
 
 use nalgebra::Point3;
 
+use crate::simd::{Kernel, widest};
 use crate::superquadric::{AxesGauge, Superquadric, fast_exp};
 
 /// Points handled side by side.
@@ -22,31 +23,62 @@ pub struct FitErrors {
 ///
 /// For a tapered or bent shape they are measured before the deformation, as its author does.
 pub fn fit_errors(superquadric: &Superquadric, points: &[Point3<f64>]) -> FitErrors {
-    let mut sums = [0.0; 3];
-    let (gauge, e1) =
-        (AxesGauge::new(superquadric.semi_axes().into(), [superquadric.e1, superquadric.e2]), superquadric.e1);
-    let X_SF = superquadric.X_FS.inverse().to_matrix();
-    for chunk in points.chunks(CHUNK) {
-        let mut errors = [[0.0; CHUNK]; 3];
-        for (k, p_F) in chunk.iter().enumerate() {
-            let p_S = superquadric.to_base(&X_SF.transform_point(p_F));
-            let ln_rho = gauge.at([p_S.x, p_S.y, p_S.z]).ln_rho;
-            let power = fast_exp(2.0 * ln_rho) - 1.0;
-            errors[0][k] = (p_S.coords.norm() * (1.0 - fast_exp(-ln_rho))).abs();
-            errors[1][k] = power * power;
-            errors[2][k] = (fast_exp(2.0 / e1 * ln_rho) - 1.0).abs();
-        }
-        for (sum, error) in sums.iter_mut().zip(&errors) {
-            *sum += error[..chunk.len()].iter().sum::<f64>();
-        }
-    }
+    let sums = if superquadric.is_deformed() {
+        widest(ErrorSums::<true> { superquadric, points })
+    } else {
+        widest(ErrorSums::<false> { superquadric, points })
+    };
     let [radial_m, goodness_of_fit, goodness_of_fit_abs] = sums.map(|sum| sum / points.len().max(1) as f64);
     FitErrors { radial_m, goodness_of_fit, goodness_of_fit_abs }
+}
+
+/// Sums over the points of the three errors.
+struct ErrorSums<'a, const DEFORMED: bool> {
+    superquadric: &'a Superquadric,
+    points: &'a [Point3<f64>],
+}
+
+impl<const DEFORMED: bool> Kernel for ErrorSums<'_, DEFORMED> {
+    type Output = [f64; 3];
+
+    #[inline(always)]
+    fn run(self) -> [f64; 3] {
+        let shape = self.superquadric;
+        let gauge = AxesGauge::new(shape.semi_axes().into(), [shape.e1, shape.e2]);
+        let per_rho = 2.0 / shape.e1;
+        let R = *shape.X_FS.rotation.to_rotation_matrix().matrix();
+        let t = shape.X_FS.translation.vector;
+        let mut sums = [0.0; 3];
+        for chunk in self.points.chunks(CHUNK) {
+            let mut errors = [[0.0; CHUNK]; 3];
+            for (k, p_F) in chunk.iter().enumerate() {
+                let v = p_F.coords - t;
+                let mut p = [0, 1, 2].map(|j| R[(0, j)] * v.x + R[(1, j)] * v.y + R[(2, j)] * v.z);
+                if DEFORMED {
+                    p = shape.to_base(&Point3::from(p)).coords.into();
+                }
+                let ln_rho = gauge.at(p).ln_rho;
+                let power = fast_exp(2.0 * ln_rho) - 1.0;
+                let radius = (p[0] * p[0] + p[1] * p[1] + p[2] * p[2]).sqrt();
+                errors[0][k] = (radius * (1.0 - fast_exp(-ln_rho))).abs();
+                errors[1][k] = power * power;
+                errors[2][k] = (fast_exp(per_rho * ln_rho) - 1.0).abs();
+            }
+            for (sum, error) in sums.iter_mut().zip(&errors) {
+                *sum += error[..chunk.len()].iter().sum::<f64>();
+            }
+        }
+        sums
+    }
 }
 
 /// The errors of several superquadrics on points of their frame F, every point against the nearest of them, and for each
 /// superquadric how many points are nearest to it with their mean radial distance, metres.
 pub fn fit_errors_of_parts(parts: &[Superquadric], points: &[Point3<f64>]) -> (FitErrors, Vec<(usize, f64)>) {
+    if let [part] = parts {
+        let errors = fit_errors(part, points);
+        return (errors, vec![(points.len(), errors.radial_m)]);
+    }
     let mut owned: Vec<Vec<Point3<f64>>> = vec![Vec::new(); parts.len()];
     for p in points {
         let distance = |part: &usize| parts[*part].radial_distance(p);

@@ -5,11 +5,14 @@ use nalgebra::{Isometry3, Point3};
 use super::frame::{principal_axes, working_frame};
 use super::mirror::{Mirroring, PASS_M, mirror};
 use super::starts::Surroundings;
+use super::strays::in_company;
 use super::thin::{sorted, voxel_centroids};
 use super::types::{FitInput, FitRefusal, FitSettings, MirrorMode};
 use super::view::View;
 use crate::segment::Plane;
 
+/// Voxel sizes of the hierarchy, metres.
+pub(crate) const LEVELS_M: [f64; 5] = [0.03, 0.02375, 0.0175, 0.01125, 0.005];
 /// One more point than unknowns.
 pub(crate) const MIN_POINTS: usize = 12;
 /// Points that spread less than this across their main direction are a line, metres.
@@ -34,6 +37,24 @@ pub(crate) struct Prepared {
     pub(crate) table: Option<Plane>,
     pub(crate) mirrored_D: Vec<Point3<f64>>,
     pub(crate) mirror_note: String,
+}
+
+impl Prepared {
+    /// Leaves out what was seen alone; says whether anything was.
+    pub(crate) fn keep_company(&mut self, settings: &FitSettings) -> bool {
+        let kept = in_company(&self.seen);
+        if kept.len() < MIN_POINTS || kept.len() == self.seen.len() {
+            return false;
+        }
+        self.seen = kept;
+        self.points = thinned(&self.seen, &self.mirrored_D, first_voxel_m(settings));
+        true
+    }
+}
+
+/// Voxel size of the first search, metres.
+fn first_voxel_m(settings: &FitSettings) -> f64 {
+    if settings.hierarchical { LEVELS_M[0] } else { settings.voxel_m }
 }
 
 pub(crate) fn finite_points(points: &[Point3<f64>]) -> Vec<Point3<f64>> {
@@ -73,7 +94,7 @@ pub(crate) fn prepare(input: &FitInput<'_>, settings: &FitSettings) -> Result<Pr
         on_table: table.is_some(),
         complete: table.is_some() && mirroring.as_ref().is_some_and(|m| m.second.is_some()),
     };
-    let points = thinned(&seen, &mirrored_D, settings.voxel_m);
+    let points = thinned(&seen, &mirrored_D, first_voxel_m(settings));
     Ok(Prepared { X_FD, seen, points, around, table, mirrored_D, mirror_note })
 }
 

@@ -7,7 +7,7 @@ use super::composite::split;
 use super::metrics::{fit_errors, fit_errors_of_parts};
 use super::models::{Model, best_model};
 use super::objective::{Objective, Residual};
-use super::prepare::{MIN_POINTS, Prepared, finite_points, prepare, thinned};
+use super::prepare::{LEVELS_M, Prepared, finite_points, prepare, thinned};
 use super::search::Search;
 use super::strays;
 use super::types::{
@@ -17,8 +17,6 @@ use super::weighted::WeightedPoints;
 use crate::superquadric::Superquadric;
 use crate::watch::Watch;
 
-/// Voxel sizes of the hierarchy, metres.
-const LEVELS_M: [f64; 5] = [0.03, 0.02375, 0.0175, 0.01125, 0.005];
 /// A level must lower the radial error by this share, or it is the last.
 const LEVEL_GAIN: f64 = 0.02;
 
@@ -31,12 +29,18 @@ const LEVEL_GAIN: f64 = 0.02;
 /// [`MirrorMode::On`] asks for one; or that the caller stopped it.
 pub fn fit(input: FitInput<'_>, settings: &FitSettings, watch: Watch<'_>) -> Result<Fit, FitRefusal> {
     watch.progress(0.0, "mirroring");
-    let prepared = prepare(&input, settings)?;
+    let mut prepared = prepare(&input, settings)?;
+    let seen = prepared.seen.clone();
     watch.progress(0.2, "trying starts");
+    let mut coarse = coarse_search(&prepared, settings, watch)?;
+    if settings.reject_outliers && coarse.is_spoiled && prepared.keep_company(settings) {
+        let again = coarse_search(&prepared, settings, watch)?;
+        coarse = Coarse { runs: [coarse.runs, again.runs].concat(), ..again };
+    }
     let mut found = if settings.hierarchical {
-        fit_levels(&prepared, settings, watch)?
+        fit_levels(&prepared, coarse, settings, watch)?
     } else {
-        fit_once(&prepared, &prepared.points, settings, watch)?
+        fit_once(&prepared, coarse, settings, watch)?
     };
     let mut parts = vec![found.candidate];
     if settings.max_parts > 1 {
@@ -47,11 +51,18 @@ pub fn fit(input: FitInput<'_>, settings: &FitSettings, watch: Watch<'_>) -> Res
         parts = composite.parts;
     }
     watch.progress(1.0, "fitted");
-    Ok(answer(&input, &prepared, settings, found, &parts))
+    Ok(answer(&input, &prepared, &seen, settings, found, &parts))
 }
 
 /// The result with its errors, in the frame of the input; the largest part first.
-fn answer(input: &FitInput<'_>, prepared: &Prepared, settings: &FitSettings, found: Found, parts: &[Candidate]) -> Fit {
+fn answer(
+    input: &FitInput<'_>,
+    prepared: &Prepared,
+    seen: &[Point3<f64>],
+    settings: &FitSettings,
+    found: Found,
+    parts: &[Candidate],
+) -> Fit {
     let mut bodies: Vec<Superquadric> = parts.iter().map(|part| part.superquadric(&prepared.X_FD)).collect();
     bodies.sort_by(|p, q| q.volume().total_cmp(&p.volume()));
     let finite: Vec<Point3<f64>> = finite_points(input.points);
@@ -72,7 +83,7 @@ fn answer(input: &FitInput<'_>, prepared: &Prepared, settings: &FitSettings, fou
         used_points: found.used_points,
         mirrored: prepared.mirrored_D.iter().map(|p| prepared.X_FD * p).collect(),
         mirror_note: prepared.mirror_note.clone(),
-        rejected: if settings.reject_outliers { rejected(prepared, parts) } else { Vec::new() },
+        rejected: if settings.reject_outliers { rejected(prepared, seen, parts) } else { Vec::new() },
         others: others.collect(),
         runs: found.runs,
         models: found.models,
@@ -88,49 +99,49 @@ struct Found {
     used_points: usize,
 }
 
-/// The fit at one voxel size: search on few points, again without those that stand alone if there are too many, then
-/// the deformation that pays, then all points.
-fn fit_once(
-    prepared: &Prepared,
-    points: &[(Point3<f64>, f64)],
-    settings: &FitSettings,
-    watch: Watch<'_>,
-) -> Result<Found, FitRefusal> {
-    let mut search = Search::new(prepared, points, settings, watch);
-    let first = search.coarse_best()?;
-    let is_spoiled = settings.reject_outliers && strays::are_suspected(&search.residuals(&search.coarse, &first));
-    let company = if is_spoiled { strays::in_company(points) } else { Vec::new() };
-    if is_spoiled && company.len() >= MIN_POINTS && company.len() < points.len() {
-        let runs = std::mem::take(&mut search.runs);
-        let mut again = Search::new(prepared, &company, settings, watch);
-        again.runs = runs;
-        let second = again.coarse_best()?;
-        return finished(again, second, settings, watch);
-    }
-    finished(search, first, settings, watch)
+/// A plain shape on few points.
+struct Coarse {
+    candidate: Candidate,
+    /// Whether so many points are far from it that strays may have led the search astray.
+    is_spoiled: bool,
+    runs: Vec<RunReport>,
 }
 
-fn finished(
-    mut search: Search<'_>,
-    plain: Candidate,
+fn coarse_search(prepared: &Prepared, settings: &FitSettings, watch: Watch<'_>) -> Result<Coarse, FitRefusal> {
+    let mut search = Search::new(prepared, &prepared.points, settings, watch);
+    let candidate = search.coarse_best()?;
+    let is_spoiled = strays::are_suspected(&search.residuals(&search.coarse, &candidate));
+    Ok(Coarse { candidate, is_spoiled, runs: search.runs })
+}
+
+/// The fit at one voxel size: the deformation that pays, then all points.
+fn fit_once(
+    prepared: &Prepared,
+    coarse: Coarse,
     settings: &FitSettings,
     watch: Watch<'_>,
 ) -> Result<Found, FitRefusal> {
-    let (model, coarse, models) = best_model(&mut search, plain, settings.deform)?;
+    let mut search = Search::new(prepared, &prepared.points, settings, watch);
+    search.runs = coarse.runs;
+    let (model, candidate, models) = best_model(&mut search, coarse.candidate, settings.deform)?;
     watch.progress(0.8, "fitting all points");
-    let candidate = search.fine(coarse, model, "best on all points")?;
+    let candidate = search.fine(candidate, model, "best on all points")?;
     Ok(Found { candidate, model, used_points: search.points.len(), runs: search.runs, models })
 }
 
 /// Coarse to fine (Duncan et al. 2013): voxels of 0.03 to 0.005 m, each level from the last one's shape, until the
 /// radial error of the whole cloud stops falling.
-fn fit_levels(prepared: &Prepared, settings: &FitSettings, watch: Watch<'_>) -> Result<Found, FitRefusal> {
+fn fit_levels(
+    prepared: &Prepared,
+    coarse: Coarse,
+    settings: &FitSettings,
+    watch: Watch<'_>,
+) -> Result<Found, FitRefusal> {
     let radial_of = |candidate: &Candidate| {
         let shape = candidate.superquadric(&nalgebra::Isometry3::identity());
         fit_errors(&shape, &prepared.seen).radial_m
     };
-    let coarsest = thinned(&prepared.seen, &prepared.mirrored_D, LEVELS_M[0]);
-    let mut found = fit_once(prepared, &coarsest, settings, watch)?;
+    let mut found = fit_once(prepared, coarse, settings, watch)?;
     let mut radial_m = radial_of(&found.candidate);
     for (level, voxel_m) in LEVELS_M.iter().enumerate().skip(1) {
         watch.progress(0.3 + 0.12 * level as f64, "refining the voxels");
@@ -154,18 +165,18 @@ fn fit_levels(prepared: &Prepared, settings: &FitSettings, watch: Watch<'_>) -> 
 }
 
 /// The seen points that are too far from every part to belong to the object, in F.
-fn rejected(prepared: &Prepared, parts: &[Candidate]) -> Vec<RejectedPoint> {
-    let seen = WeightedPoints::new(&prepared.seen.iter().map(|p| (*p, 1.0)).collect::<Vec<_>>());
+fn rejected(prepared: &Prepared, points: &[Point3<f64>], parts: &[Candidate]) -> Vec<RejectedPoint> {
+    let seen = WeightedPoints::new(&points.iter().map(|p| (*p, 1.0)).collect::<Vec<_>>());
     let by_part: Vec<Vec<Residual>> =
         parts.iter().map(|part| Objective::new(&seen, ObjectiveKind::Radial).residuals(part)).collect();
-    let nearest: Vec<Residual> = (0..prepared.seen.len())
+    let nearest: Vec<Residual> = (0..points.len())
         .filter_map(|k| {
             let distances = by_part.iter().map(|residuals| residuals[k]);
             distances.min_by(|p, q| p.normal_m.abs().total_cmp(&q.normal_m.abs()))
         })
         .collect();
     let limit_m = strays::limit_m(&nearest);
-    let far = prepared.seen.iter().zip(&nearest).filter(|(_, residual)| residual.normal_m.abs() > limit_m);
+    let far = points.iter().zip(&nearest).filter(|(_, residual)| residual.normal_m.abs() > limit_m);
     far.map(|(p, residual)| RejectedPoint { p_F: prepared.X_FD * p, distance_m: residual.normal_m, limit_m }).collect()
 }
 

@@ -3,12 +3,13 @@
 use nalgebra::Point3;
 
 use super::candidate::{Candidate, DEFORMED, PLAIN};
+use super::frame::mean_radius_m;
 use super::levenberg_marquardt::{Limits, Minimum, minimise};
 use super::models::{Model, deformed};
 use super::objective::{Objective, Residual};
 use super::prepare::Prepared;
-use super::robust::reweighted;
-use super::starts::{Start, Surroundings, bounds, half_extents, similar, starts};
+use super::robust::{reweighted, sigma_m};
+use super::starts::{Start, Surroundings, bounds, diagonal_starts, half_extents, similar, starts};
 use super::thin::every_nth;
 use super::types::{FitRefusal, FitSettings, ObjectiveKind, RunReport, StopReason};
 use super::weighted::WeightedPoints;
@@ -16,8 +17,10 @@ use crate::parallel;
 use crate::segment::Plane;
 use crate::watch::Watch;
 
-/// All starts are tried on at most this many points; the best go on with all.
-const COARSE_POINTS: usize = 300;
+/// All starts are tried on at most this many points, the best of them on more, the winner on all.
+const BRIEF_POINTS: usize = 208;
+const COARSE_POINTS: usize = 304;
+const MIDDLE_POINTS: usize = 1200;
 /// Weight of standing on the table, as a share of all points together; 0.1 to 1 measure alike.
 const STANDING_SHARE: f64 = 0.3;
 /// How strongly the semi-axes of an object on the table are drawn to half the cloud's extents while a side is open, as
@@ -31,12 +34,16 @@ const DEFORMED_EXPONENTS: [f64; 1] = [0.6];
 /// Exponent of the starts of a brief fit.
 const QUICK_EXPONENTS: [f64; 1] = [0.7];
 /// How many starts are followed further.
-const KEPT_STARTS: usize = 3;
+const KEPT_STARTS: usize = 4;
 /// A look-alike replaces the best when its cost is below this share: equal twins (a ball's) must not swap by rounding.
 const BETTER: f64 = 0.98;
-/// Rounds of new weights on few points and on all.
+/// A fit whose residuals are more than this part of the cloud's mean radius is poor: more starts are tried.
+const POOR: f64 = 0.02;
+/// A look-alike that is this much worse after a few steps is not followed.
+const HOPELESS: f64 = 4.0;
+/// Rounds of new weights on few points and, for a part of an object, from a shape that is nearly right.
 const COARSE_ROUNDS: usize = 3;
-const FINE_ROUNDS: usize = 2;
+const WARM_ROUNDS: usize = 2;
 
 /// A cloud under search: its points, how they are judged, and the history so far.
 pub(crate) struct Search<'a> {
@@ -103,7 +110,7 @@ impl<'a> Search<'a> {
     /// [`FitRefusal::Stopped`].
     pub(crate) fn warm(&mut self, from: Candidate) -> Result<Candidate, FitRefusal> {
         let points = self.points;
-        self.refined::<PLAIN>(points, from, FINE_ROUNDS, "warm")
+        self.refined::<PLAIN>(points, from, WARM_ROUNDS, "warm")
     }
 
     fn limits(&self, most: u32, relative_reduction: f64) -> Limits {
@@ -148,39 +155,63 @@ impl<'a> Search<'a> {
     pub(crate) fn coarse_best(&mut self) -> Result<Candidate, FitRefusal> {
         let coarse = self.coarse.clone();
         let weighted = WeightedPoints::new(&coarse);
+        let few = every_nth(&coarse, BRIEF_POINTS);
+        let few_weighted = WeightedPoints::new(&few);
         let all_starts = starts(&coarse, self.around, &START_EXPONENTS);
         let brief = self.limits(12, 1e-4);
         let longer = self.limits(u32::MAX, 1e-5);
         let run = |from: &Candidate, limits: &Limits| self.run_laid_out::<PLAIN>(&coarse, &weighted, from, limits);
 
-        let found = parallel::map(&all_starts, |start| run(&start.candidate, &brief));
+        let run_few = |from: &Candidate| self.run_laid_out::<PLAIN>(&few, &few_weighted, from, &brief);
+
+        let found = parallel::map(&all_starts, |start| run_few(&start.candidate));
         let mut tried: Vec<(&Start, Minimum)> = all_starts.iter().zip(found).collect();
-        let mut history: Vec<(String, Minimum)> =
-            tried.iter().map(|(start, found)| (start.name.clone(), found.clone())).collect();
+        let mut history: Vec<(String, &[_], Minimum)> =
+            tried.iter().map(|(start, found)| (start.name.clone(), &few[..], found.clone())).collect();
         tried.sort_by(|(_, p), (_, q)| p.cost.total_cmp(&q.cost));
         tried.truncate(KEPT_STARTS);
 
         let refined = parallel::map(&tried, |(_, found)| run(&found.candidate, &longer));
         history.extend(
-            tried.iter().zip(&refined).map(|((start, _), found)| (format!("{}, on", start.name), found.clone())),
+            tried
+                .iter()
+                .zip(&refined)
+                .map(|((start, _), found)| (format!("{}, on", start.name), &coarse[..], found.clone())),
         );
         let Some(mut best) = refined.into_iter().min_by(|p, q| p.cost.total_cmp(&q.cost)) else {
             return Err(FitRefusal::Stopped);
         };
         for _ in 0..2 {
             let twins = similar(&best.candidate);
-            let found = parallel::map(&twins, |(_, twin)| run(twin, &longer));
+            let at_best = run_few(&best.candidate).cost;
+            let found = parallel::map(&twins, |(_, twin)| {
+                let first = run_few(twin);
+                if first.cost > HOPELESS * at_best {
+                    Minimum { cost: f64::INFINITY, ..first }
+                } else {
+                    run(&first.candidate, &longer)
+                }
+            });
             let better = twins.iter().zip(found).min_by(|(_, p), (_, q)| p.cost.total_cmp(&q.cost));
             match better {
                 Some(((name, _), found)) if found.cost < BETTER * best.cost => {
-                    history.push((format!("look-alike, {name}"), found.clone()));
+                    history.push((format!("look-alike, {name}"), &coarse[..], found.clone()));
                     best = found;
                 }
                 _ => break,
             }
         }
-        for (name, found) in &history {
-            self.note(name, &coarse, found);
+        if sigma_m(&self.residuals(&coarse, &best.candidate)) > POOR * mean_radius_m(&coarse) {
+            let more = diagonal_starts(&all_starts);
+            let found = parallel::map(&more, |start| run(&run_few(&start.candidate).candidate, &longer));
+            let better = more.iter().zip(found).min_by(|(_, p), (_, q)| p.cost.total_cmp(&q.cost));
+            if let Some((start, found)) = better.filter(|(_, found)| found.cost < BETTER * best.cost) {
+                history.push((start.name.clone(), &coarse[..], found.clone()));
+                best = found;
+            }
+        }
+        for (name, points, found) in &history {
+            self.note(name, points, found);
         }
         if self.watch.should_stop() || best.stop == StopReason::Stopped {
             return Err(FitRefusal::Stopped);
@@ -248,7 +279,12 @@ impl<'a> Search<'a> {
     fn fine_over<const N: usize>(&mut self, from: Candidate, name: &str) -> Result<Candidate, FitRefusal> {
         let points = self.points;
         if self.settings.reject_outliers {
-            return self.refined::<N>(points, from, FINE_ROUNDS, name);
+            let middle = every_nth(points, MIDDLE_POINTS);
+            let mut candidate = from;
+            if points.len() > MIDDLE_POINTS {
+                candidate = self.refined::<N>(&middle, candidate, 1, "many points")?;
+            }
+            return self.refined::<N>(points, candidate, 1, name);
         }
         let found = self.run::<N>(points, &from, &self.limits(u32::MAX, 1e-7));
         self.note(name, points, &found);

@@ -70,6 +70,28 @@ pub(crate) fn starts(points: &[(Point3<f64>, f64)], around: &Surroundings, expon
     starts
 }
 
+/// The same boxes turned by 45° about their z, once as a rhombus and once as a round: half-seen shapes whose section has
+/// its corners on the axes are missed from the box itself.
+pub(crate) fn diagonal_starts(starts: &[Start]) -> Vec<Start> {
+    let eighth = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::FRAC_PI_4);
+    starts
+        .iter()
+        .map(|start| {
+            let [a, b, c] = start.candidate.axes();
+            let [e, _] = start.candidate.exponents();
+            let diagonal = (0.5 * (a * a + b * b)).sqrt();
+            let e_2 = if e < 1.0 { 1.6 } else { 1.0 };
+            let candidate = Candidate::new(
+                [diagonal, diagonal, c],
+                [e, e_2],
+                start.candidate.center(),
+                start.candidate.R_DS * eighth,
+            );
+            Start { name: format!("{}, turned by 45°", start.name), candidate }
+        })
+        .collect()
+}
+
 /// Smallest and largest coordinates along three axes; an object on the table reaches down to it.
 fn extents(points: &[(Point3<f64>, f64)], axes: &Matrix3<f64>, on_table: bool) -> [Vector3<f64>; 2] {
     let mut low = Vector3::repeat(f64::INFINITY);

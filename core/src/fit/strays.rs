@@ -15,11 +15,13 @@ const SUSPICIOUS_SCALE: f64 = 0.02;
 /// A point is far beyond this many σ, and beyond this part of the mean distance from the centre.
 const FAR_SIGMAS: f64 = 6.0;
 const FAR_SHARE: f64 = 0.04;
-/// A point with less weight around it than this part of the median stands alone. On a surface the least is about a quarter
+/// A point with fewer points around it than this part of the median stands alone. On a surface the least is about a quarter
 /// (a corner of a rim), in a cloud of strays around it a few percent.
 const LONELY_SHARE: f64 = 0.2;
 /// Points per cell that the grid for neighbours aims at, on the surface of the cloud's bounding box.
 const PER_CELL: f64 = 2.0;
+/// Cells on that surface at most.
+const MOST_CELLS: f64 = 3000.0;
 /// Passes: each makes the bounding box, and with it the cells, smaller.
 const PASSES: usize = 3;
 
@@ -41,40 +43,42 @@ pub(crate) fn are_suspected(residuals: &[Residual]) -> bool {
         || sigma_m(residuals) > SUSPICIOUS_SCALE * radius_m(residuals)
 }
 
-/// The points that have neighbours: as many as others have, or nearly.
-pub(crate) fn in_company(points: &[(Point3<f64>, f64)]) -> Vec<(Point3<f64>, f64)> {
-    (0..PASSES).fold(points.to_vec(), |left, _| without_lonely(&left))
+/// Which points have neighbours: as many as most have, or nearly.
+pub(crate) fn in_company(points: &[Point3<f64>]) -> Vec<Point3<f64>> {
+    (0..PASSES).fold(points.to_vec(), |left, _| without_lonely(left))
 }
 
-fn without_lonely(points: &[(Point3<f64>, f64)]) -> Vec<(Point3<f64>, f64)> {
-    let Some(edge_m) = cell_m(points) else { return points.to_vec() };
+fn without_lonely(points: Vec<Point3<f64>>) -> Vec<Point3<f64>> {
+    let Some(edge_m) = cell_m(&points) else { return points };
     let cell = |p: &Point3<f64>| [0, 1, 2].map(|i| (p[i] / edge_m).floor() as i32);
     // Looked up, never iterated, so the order of the hash does not matter.
-    let mut weights: HashMap<[i32; 3], f64> = HashMap::new();
-    for (p, weight) in points {
-        *weights.entry(cell(p)).or_default() += weight;
+    let mut counts: HashMap<[i32; 3], u32> = HashMap::new();
+    for p in &points {
+        *counts.entry(cell(p)).or_default() += 1;
     }
-    let company: Vec<f64> = points
+    let mut known: HashMap<[i32; 3], u32> = HashMap::with_capacity(counts.len());
+    let company: Vec<u32> = points
         .iter()
-        .map(|(p, _)| {
-            let [x, y, z] = cell(p);
-            let around =
-                (-1..=1).flat_map(|i| (-1..=1).flat_map(move |j| (-1..=1).map(move |k| [x + i, y + j, z + k])));
-            around.filter_map(|key| weights.get(&key)).sum()
+        .map(|p| {
+            *known.entry(cell(p)).or_insert_with_key(|key| around(*key).filter_map(|near| counts.get(&near)).sum())
         })
         .collect();
     let mut sorted = company.clone();
-    sorted.sort_unstable_by(f64::total_cmp);
-    let median = sorted[sorted.len() / 2];
-    points.iter().zip(company).filter(|(_, weight)| *weight >= LONELY_SHARE * median).map(|(p, _)| *p).collect()
+    sorted.sort_unstable();
+    let median = f64::from(sorted[sorted.len() / 2]);
+    points.into_iter().zip(company).filter(|(_, n)| f64::from(*n) >= LONELY_SHARE * median).map(|(p, _)| p).collect()
+}
+
+/// A cell and the 26 that touch it.
+fn around([x, y, z]: [i32; 3]) -> impl Iterator<Item = [i32; 3]> {
+    (-1..=1).flat_map(move |i| (-1..=1).flat_map(move |j| (-1..=1).map(move |k| [x + i, y + j, z + k])))
 }
 
 /// Connected pieces of a set of points, largest first: indices of their points in ascending order.
 ///
 /// Points are connected when their cells touch, cells being as large as neighbours are apart.
 pub(crate) fn pieces(points: &[Point3<f64>]) -> Vec<Vec<usize>> {
-    let pairs: Vec<(Point3<f64>, f64)> = points.iter().map(|p| (*p, 1.0)).collect();
-    let Some(edge_m) = cell_m(&pairs) else { return Vec::new() };
+    let Some(edge_m) = cell_m(points) else { return Vec::new() };
     let cell = |p: &Point3<f64>| [0, 1, 2].map(|i| (p[i] / edge_m).floor() as i32);
     // Looked up, never iterated, so the order of the hash does not matter.
     let mut members: HashMap<[i32; 3], Vec<usize>> = HashMap::new();
@@ -92,8 +96,7 @@ pub(crate) fn pieces(points: &[Point3<f64>]) -> Vec<Vec<usize>> {
         let mut next = 0;
         while let Some(&k) = piece.get(next) {
             next += 1;
-            let [x, y, z] = cell(&points[k]);
-            for key in (-1..=1).flat_map(|i| (-1..=1).flat_map(move |j| (-1..=1).map(move |l| [x + i, y + j, z + l]))) {
+            for key in around(cell(&points[k])) {
                 for &other in members.get(&key).into_iter().flatten() {
                     if !std::mem::replace(&mut is_taken[other], true) {
                         piece.push(other);
@@ -109,12 +112,13 @@ pub(crate) fn pieces(points: &[Point3<f64>]) -> Vec<Vec<usize>> {
 }
 
 /// Edge of the grid for neighbours, metres; `None` without extent.
-fn cell_m(points: &[(Point3<f64>, f64)]) -> Option<f64> {
-    let (first, _) = points.first()?;
-    let (low, high) = points.iter().fold((*first, *first), |(low, high), (p, _)| (low.inf(p), high.sup(p)));
+fn cell_m(points: &[Point3<f64>]) -> Option<f64> {
+    let first = points.first()?;
+    let (low, high) = points.iter().fold((*first, *first), |(low, high), p| (low.inf(p), high.sup(p)));
     let [x, y, z] = (high - low).into();
     let surface = 2.0 * (x * y + y * z + z * x);
-    let edge_m = (surface * PER_CELL / points.len() as f64).sqrt();
+    let per_cell = PER_CELL.max(points.len() as f64 / MOST_CELLS);
+    let edge_m = (surface * per_cell / points.len() as f64).sqrt();
     (edge_m.is_finite() && edge_m > 0.0).then_some(edge_m)
 }
 
@@ -131,20 +135,20 @@ mod tests {
         let mut rng = Rng::new(61, 0);
         for (axes, e) in [([0.03, 0.05, 0.08], 0.2), ([0.1, 0.1, 0.1], 1.0), ([0.02, 0.2, 0.1], 0.6)] {
             let shape = Superquadric::new(axes[0], axes[1], axes[2], e, e, Isometry3::identity()).unwrap();
-            let surface: Vec<_> = shape.samples(60).iter().map(|q| (q.p_F, 1.0)).collect();
+            let surface: Vec<_> = shape.samples(60).iter().map(|q| q.p_F).collect();
             let strays: Vec<_> = (0..surface.len() / 4)
                 .map(|_| {
                     let p = Vector3::from(axes.map(|a| rng.uniform(-2.0 * a, 2.0 * a)));
-                    (Point3::from(p), 1.0)
+                    Point3::from(p)
                 })
                 .collect();
             assert_eq!(in_company(&surface).len(), surface.len(), "a clean cloud loses nothing");
             let all: Vec<_> = surface.iter().chain(&strays).copied().collect();
             let kept = in_company(&all);
-            let far = |(p, _): &&(Point3<f64>, f64)| shape.radial_distance(p) > 0.02;
+            let far = |p: &&Point3<f64>| shape.radial_distance(p) > 0.02;
             let left = kept.iter().filter(far).count();
             let before = strays.iter().filter(far).count();
-            assert!(kept.iter().filter(|(p, _)| shape.radial_distance(p) < 1e-6).count() == surface.len());
+            assert!(kept.iter().filter(|p| shape.radial_distance(p) < 1e-6).count() == surface.len());
             assert!(left * 4 < before, "{left} of {before} far strays are left for {axes:?}");
         }
     }
