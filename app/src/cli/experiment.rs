@@ -11,6 +11,7 @@ use endcomfort_core::experiment::{
 use endcomfort_core::object::HouseholdObject;
 use endcomfort_core::watch::Watch;
 
+use super::pictures::write_pictures;
 use super::table::Table;
 use super::views::read_views;
 use super::{Common, Failure, input};
@@ -43,6 +44,9 @@ pub(super) struct Args {
     /// File that receives every single fit: .csv or .json.
     #[arg(long)]
     fits: Option<PathBuf>,
+    /// Folder that receives a picture of every view with its fits side by side, worst first (experiment `objects`).
+    #[arg(long)]
+    pictures: Option<PathBuf>,
 }
 
 fn possible_value(experiment: Experiment) -> clap::builder::PossibleValue {
@@ -66,6 +70,9 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
     if let Some(file) = &args.fits {
         write_records(file, &outcome.trials)?;
     }
+    if let Some(folder) = &args.pictures {
+        write_pictures(folder, &settings.views, &outcome.trials)?;
+    }
     if common.json {
         outcome.rows.iter().for_each(|row| println!("{}", row.json()));
     } else {
@@ -80,6 +87,9 @@ fn settings(experiment: Experiment, args: &Args, common: &Common) -> Result<Expe
     };
     if args.views.is_some() && !experiment.needs_objects() {
         return refuse("--views", "objects and objectives look at views");
+    }
+    if args.pictures.is_some() && experiment != Experiment::Objects {
+        return refuse("--pictures", "objects draws its views");
     }
     if args.trials_file.is_some() && !experiment.takes_shapes() {
         return refuse("--trials-file", "its trials are views of objects");

@@ -5,6 +5,7 @@ mod experiment;
 mod fit;
 mod grasps;
 mod input;
+mod pictures;
 mod plan;
 mod render;
 mod segment;

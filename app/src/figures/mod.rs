@@ -1,5 +1,7 @@
 //! Pictures without a window: a scene at a moment, drawn off-screen.
 
+mod fit_pair;
+
 use std::sync::Arc;
 
 use endcomfort_core::job::Output;
@@ -11,6 +13,8 @@ use nalgebra::Point3;
 use crate::compose::{Composer, Content};
 use crate::render::{Camera, Offscreen, OffscreenError, Theme, View};
 use crate::viewer::Layers;
+
+pub use fit_pair::draw_fits;
 
 /// What a picture shows: a scene and whatever the pipeline found.
 pub struct Picture<'a> {
