@@ -8,6 +8,7 @@
 
 mod candidate;
 mod composite;
+mod contradiction;
 mod frame;
 mod levenberg_marquardt;
 mod metrics;

@@ -33,6 +33,8 @@ pub(crate) struct Prepared {
     /// Voxel centroids in D with their weights.
     pub(crate) points: Vec<(Point3<f64>, f64)>,
     pub(crate) around: Surroundings,
+    /// What the camera saw, if it is known.
+    pub(crate) view: Option<View>,
     /// The table in D, if the object stands on it.
     pub(crate) table: Option<Plane>,
     pub(crate) mirrored_D: Vec<Point3<f64>>,
@@ -87,7 +89,8 @@ pub(crate) fn prepare(input: &FitInput<'_>, settings: &FitSettings) -> Result<Pr
         .table
         .filter(|_| stands_on_table(&seen))
         .map(|_| Plane { normal: nalgebra::Vector3::z_axis(), offset_m: 0.0 });
-    let (mirroring, mirror_note) = mirrored(input, settings, &seen, &X_FD)?;
+    let view = input.X_FC.and_then(|X_FC| View::new(&seen, &(X_FD.inverse() * X_FC)));
+    let (mirroring, mirror_note) = mirrored(input, settings, &seen, view.as_ref())?;
     let mirrored_D = mirroring.as_ref().map(|m| m.added.clone()).unwrap_or_default();
     let around = Surroundings {
         mirror_normal: mirroring.as_ref().map(|m| m.first.normal),
@@ -95,7 +98,7 @@ pub(crate) fn prepare(input: &FitInput<'_>, settings: &FitSettings) -> Result<Pr
         complete: table.is_some() && mirroring.as_ref().is_some_and(|m| m.second.is_some()),
     };
     let points = thinned(&seen, &mirrored_D, first_voxel_m(settings));
-    Ok(Prepared { X_FD, seen, points, around, table, mirrored_D, mirror_note })
+    Ok(Prepared { X_FD, seen, points, around, view, table, mirrored_D, mirror_note })
 }
 
 /// Whether a cluster on z ≥ 0 reaches down to z = 0, as far as one can tell from a view that hides its underside.
@@ -135,7 +138,7 @@ fn mirrored(
     input: &FitInput<'_>,
     settings: &FitSettings,
     seen: &[Point3<f64>],
-    X_FD: &Isometry3<f64>,
+    view: Option<&View>,
 ) -> Result<(Option<Mirroring>, String), FitRefusal> {
     let asked = settings.mirror == MirrorMode::On;
     if settings.mirror == MirrorMode::Off {
@@ -152,8 +155,7 @@ fn mirrored(
         }
         return Ok((None, format!("not mirrored: the {missing} is not known")));
     }
-    let view = input.X_FC.and_then(|X_FC| View::new(seen, &(X_FD.inverse() * X_FC)));
-    let Some(mirroring) = view.and_then(|view| mirror(seen, &view)) else {
+    let Some(mirroring) = view.and_then(|view| mirror(seen, view)) else {
         if asked {
             return Err(FitRefusal::MirrorNeeds { missing: "side the camera is on: it does not look at the cluster" });
         }

@@ -4,6 +4,7 @@ use nalgebra::Point3;
 
 use super::candidate::Candidate;
 use super::composite::split;
+use super::contradiction::{contradiction_m, is_better, is_too_much};
 use super::metrics::{fit_errors, fit_errors_of_parts};
 use super::models::{Model, best_model};
 use super::objective::{Objective, Residual};
@@ -37,11 +38,10 @@ pub fn fit(input: FitInput<'_>, settings: &FitSettings, watch: Watch<'_>) -> Res
         let again = coarse_search(&prepared, settings, watch)?;
         coarse = Coarse { runs: [coarse.runs, again.runs].concat(), ..again };
     }
-    let mut found = if settings.hierarchical {
-        fit_levels(&prepared, coarse, settings, watch)?
-    } else {
-        fit_once(&prepared, coarse, settings, watch)?
-    };
+    let mut found = fit_from(&prepared, coarse, settings, watch)?;
+    if let Some(inside) = within_view(&mut prepared, &found, settings, watch)? {
+        found = Found { runs: [found.runs, inside.runs].concat(), ..inside };
+    }
     let mut parts = vec![found.candidate];
     if settings.max_parts > 1 {
         watch.progress(0.85, "looking for parts");
@@ -112,6 +112,46 @@ fn coarse_search(prepared: &Prepared, settings: &FitSettings, watch: Watch<'_>) 
     let candidate = search.coarse_best()?;
     let is_spoiled = strays::are_suspected(&search.residuals(&search.coarse, &candidate));
     Ok(Coarse { candidate, is_spoiled, runs: search.runs })
+}
+
+/// The fit from a coarse shape, at one voxel size or level by level.
+fn fit_from(
+    prepared: &Prepared,
+    coarse: Coarse,
+    settings: &FitSettings,
+    watch: Watch<'_>,
+) -> Result<Found, FitRefusal> {
+    let whole = if settings.hierarchical { fit_levels } else { fit_once };
+    whole(prepared, coarse, settings, watch)
+}
+
+/// A fit within the extents of what was seen, when the present one contradicts the camera and that one does less; with
+/// robust weights and, if need be, without.
+fn within_view(
+    prepared: &mut Prepared,
+    present: &Found,
+    settings: &FitSettings,
+    watch: Watch<'_>,
+) -> Result<Option<Found>, FitRefusal> {
+    let score = |prepared: &Prepared, candidate: &Candidate| {
+        let contradiction_m = prepared.view.as_ref().map(|view| contradiction_m(prepared, view, candidate))?;
+        let shape = candidate.superquadric(&nalgebra::Isometry3::identity());
+        Some((contradiction_m, fit_errors(&shape, &prepared.seen).radial_m))
+    };
+    let Some(first) = score(prepared, &present.candidate).filter(|(by_m, _)| is_too_much(*by_m)) else {
+        return Ok(None);
+    };
+    let was_complete = std::mem::replace(&mut prepared.around.complete, true);
+    for reject_outliers in [settings.reject_outliers, false] {
+        let settings = FitSettings { reject_outliers, ..settings.clone() };
+        let coarse = coarse_search(prepared, &settings, watch)?;
+        let other = fit_from(prepared, coarse, &settings, watch)?;
+        if score(prepared, &other.candidate).is_some_and(|other| is_better(other, first)) {
+            return Ok(Some(other));
+        }
+    }
+    prepared.around.complete = was_complete;
+    Ok(None)
 }
 
 /// The fit at one voxel size: the deformation that pays, then all points.
