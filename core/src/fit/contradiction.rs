@@ -15,9 +15,9 @@ const ALLOWED_M: f64 = 0.010;
 const MESH_HALF: u32 = 4;
 /// Another fit takes its place when it contradicts half as much at most…
 const MUST_FALL_TO: f64 = 0.5;
-/// …and explains the points nearly as well: the factor and the length by which its error may be larger, metres.
-const ERROR_FACTOR: f64 = 1.5;
-const ERROR_SLACK_M: f64 = 0.002;
+/// …and its error on the points is not out of all proportion: the factor and the length by which its error may be larger, metres.
+const ERROR_FACTOR: f64 = 2.5;
+const ERROR_SLACK_M: f64 = 0.004;
 
 /// Mean impossibility of a candidate's surface, metres.
 pub(crate) fn contradiction_m(prepared: &Prepared, view: &View, candidate: &Candidate) -> f64 {

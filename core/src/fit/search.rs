@@ -3,13 +3,13 @@
 use nalgebra::Point3;
 
 use super::candidate::{Candidate, DEFORMED, PLAIN};
-use super::frame::mean_radius_m;
 use super::levenberg_marquardt::{Limits, Minimum, minimise};
 use super::models::{Model, deformed};
 use super::objective::{Objective, Residual};
 use super::prepare::Prepared;
-use super::robust::{reweighted, sigma_m};
+use super::robust::reweighted;
 use super::starts::{Start, Surroundings, bounds, diagonal_starts, half_extents, similar, starts};
+use super::strays::is_poor;
 use super::thin::every_nth;
 use super::types::{FitRefusal, FitSettings, ObjectiveKind, RunReport, StopReason};
 use super::weighted::WeightedPoints;
@@ -39,8 +39,6 @@ const QUICK_EXPONENTS: [f64; 1] = [0.7];
 const KEPT_STARTS: usize = 4;
 /// A look-alike replaces the best when its cost is below this share: equal twins (a ball's) must not swap by rounding.
 const BETTER: f64 = 0.98;
-/// A fit whose residuals are more than this part of the cloud's mean radius is poor: more starts are tried.
-const POOR: f64 = 0.02;
 /// A look-alike that is this much worse after a few steps is not followed.
 const HOPELESS: f64 = 4.0;
 /// Rounds of new weights on few points and, for a part of an object, from a shape that is nearly right.
@@ -203,7 +201,7 @@ impl<'a> Search<'a> {
                 _ => break,
             }
         }
-        if sigma_m(&self.residuals(&coarse, &best.candidate)) > POOR * mean_radius_m(&coarse) {
+        if is_poor(&self.residuals(&coarse, &best.candidate)) {
             let more = diagonal_starts(&all_starts);
             let found = parallel::map(&more, |start| run(&run_few(&start.candidate).candidate, &longer));
             let better = more.iter().zip(found).min_by(|(_, p), (_, q)| p.cost.total_cmp(&q.cost));

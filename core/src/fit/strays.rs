@@ -9,9 +9,9 @@ use super::robust::sigma_m;
 
 /// Outliers are suspected when more than this share of the points is far from the first fit.
 const SUSPICIOUS_SHARE: f64 = 0.02;
-/// They are suspected too when the scale of the residuals is more than this part of the mean distance from the centre:
-/// strays may have spoiled the fit so much that none of them is far from it.
-const SUSPICIOUS_SCALE: f64 = 0.02;
+/// Residuals of noise are below this, metres, or below this part of the mean distance from the centre.
+const POOR_M: f64 = 0.003;
+const POOR_SHARE: f64 = 0.02;
 /// A point is far beyond this many σ, and beyond this part of the mean distance from the centre.
 const FAR_SIGMAS: f64 = 6.0;
 const FAR_SHARE: f64 = 0.04;
@@ -35,12 +35,17 @@ fn radius_m(residuals: &[Residual]) -> f64 {
     residuals.iter().map(|r| r.radius_m).sum::<f64>() / residuals.len().max(1) as f64
 }
 
+/// Whether the residuals are larger than noise: more than 3 mm and than a fiftieth of the mean distance from the centre.
+pub(crate) fn is_poor(residuals: &[Residual]) -> bool {
+    sigma_m(residuals) > POOR_M.max(POOR_SHARE * radius_m(residuals))
+}
+
 /// Whether so many points are far that gross outliers may have spoiled the search.
 pub(crate) fn are_suspected(residuals: &[Residual]) -> bool {
     let limit_m = limit_m(residuals);
     let far = residuals.iter().filter(|r| r.normal_m.abs() > limit_m).count();
-    far as f64 > SUSPICIOUS_SHARE * residuals.len() as f64
-        || sigma_m(residuals) > SUSPICIOUS_SCALE * radius_m(residuals)
+    // Strays may have spoiled the fit so much that none of them is far from it.
+    far as f64 > SUSPICIOUS_SHARE * residuals.len() as f64 || is_poor(residuals)
 }
 
 /// Which points have neighbours: as many as most have, or nearly.
