@@ -27,6 +27,8 @@ const QUIET: [&str; 9] = [
 
 /// One browser at a time: software rendering takes every core there is.
 static TURN: Mutex<()> = Mutex::new(());
+/// How often a picture is asked for.
+const SCREENSHOT_ATTEMPTS: usize = 6;
 
 /// The address of the site under test, with a closing slash.
 ///
@@ -243,8 +245,11 @@ impl Browser {
     /// When the browser sends no picture.
     pub fn screenshot(&self, name: &str) -> Result<Picture> {
         // A page that plays in software may keep the browser busy for longer than it waits for a picture.
-        let once = || self.command("GET", "/screenshot", &Value::Null);
-        let answer = once().or_else(|_| once()).or_else(|_| once())?;
+        let mut answer = self.command("GET", "/screenshot", &Value::Null);
+        for _ in 1..SCREENSHOT_ATTEMPTS {
+            answer = answer.or_else(|_| self.command("GET", "/screenshot", &Value::Null));
+        }
+        let answer = answer?;
         let bytes = base64(answer.as_str().context("no screenshot")?).context("the screenshot is no base64")?;
         let folder = screenshots();
         std::fs::create_dir_all(&folder)?;
