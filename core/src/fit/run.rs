@@ -27,7 +27,7 @@ const LEVEL_GAIN: f64 = 0.02;
 ///
 /// # Errors
 /// [`FitRefusal`] says what the cluster lacks: too few points, points on a line, a mirror plane when
-/// [`MirrorMode::On`] asks for one; or that the caller stopped it.
+/// [`MirrorMode::On`](super::MirrorMode::On) asks for one; or that the caller stopped it.
 pub fn fit(input: FitInput<'_>, settings: &FitSettings, watch: Watch<'_>) -> Result<Fit, FitRefusal> {
     watch.progress(0.0, "mirroring");
     let mut prepared = prepare(&input, settings)?;
