@@ -12,8 +12,8 @@ const SETTLE_GAP_M: f64 = 0.002;
 /// Goal pose in W of the object frame O, the axes of the fit's main superquadric; `None` for a task without a goal.
 ///
 /// The task's motion, from the described object's start to its goal, is applied to the fit, and the result is moved
-/// along z until the lowest point of all its bodies is just above what it shall stand on. For a dropped cloud the described object does
-/// not exist: only the motion's translation is taken.
+/// along z until the lowest point of all its bodies is just above what it shall stand on. For a dropped cloud the
+/// described object does not exist: only the motion's translation is taken.
 pub(super) fn goal_pose(scene: &Scene, fitted: &Fit, is_dropped: bool) -> Option<Isometry3<f64>> {
     let Task::PickAndPlace { object, X_WO_goal } = &scene.task else { return None };
     let X_WO_start = scene.objects[*object].X_WO;

@@ -3,39 +3,16 @@
 use nalgebra::Point3;
 
 use super::perceive::fit_cluster;
-use crate::fit::{Fit, FitErrors, FitSettings, ObjectiveKind, fit_errors};
+use crate::fit::{Fit, FitSettings, ObjectiveKind, fit_errors_of_parts};
 use crate::job::{FitOutput, ObjectiveFit, Refusal, SceneOutput, SegmentOutput, SetShape};
 use crate::scene::Scene;
 use crate::superquadric::Superquadric;
 use crate::watch::Watch;
 
-/// Signed radial distance of a point of F from the nearest of an object's parts, metres, and which part that is.
-fn nearest_part(bodies: &[&Superquadric], p_F: &Point3<f64>) -> (f64, usize) {
-    let distances = bodies.iter().enumerate().map(|(part, body)| (body.signed_radial_distance(p_F), part));
-    distances.min_by(|l, r| l.0.total_cmp(&r.0)).unwrap_or((f64::NAN, 0))
-}
-
-/// Signed radial distance of every point, metres, negative inside.
+/// Signed radial distance of every point from the nearest of the object's parts, metres, negative inside.
 pub(super) fn signed_distances(fit: &Fit, points: &[Point3<f64>]) -> Vec<f64> {
-    let bodies: Vec<&Superquadric> = fit.bodies().collect();
-    points.iter().map(|p_F| nearest_part(&bodies, p_F).0).collect()
-}
-
-/// The errors of all parts together, each on the points that are nearest to it.
-fn errors(fit: &Fit, points: &[Point3<f64>]) -> FitErrors {
-    let bodies: Vec<&Superquadric> = fit.bodies().collect();
-    let mut shares: Vec<Vec<Point3<f64>>> = vec![Vec::new(); bodies.len()];
-    for p_F in points {
-        shares[nearest_part(&bodies, p_F).1].push(*p_F);
-    }
-    let mut sum = FitErrors { radial_m: 0.0, goodness_of_fit: 0.0, goodness_of_fit_abs: 0.0 };
-    for (body, share) in bodies.iter().zip(&shares) {
-        let (errors, weight) = (fit_errors(body, share), share.len() as f64 / points.len().max(1) as f64);
-        sum.radial_m += weight * errors.radial_m;
-        sum.goodness_of_fit += weight * errors.goodness_of_fit;
-        sum.goodness_of_fit_abs += weight * errors.goodness_of_fit_abs;
-    }
-    sum
+    let of = |p_F: &Point3<f64>| fit.bodies().map(|body| body.signed_radial_distance(p_F)).min_by(f64::total_cmp);
+    points.iter().map(|p_F| of(p_F).unwrap_or(f64::NAN)).collect()
 }
 
 /// The fits with a person's shape in place of one of them, its errors and volume computed anew.
@@ -52,7 +29,8 @@ pub(super) fn with_shape(fits: &FitOutput, segments: &SegmentOutput, shape: &Set
         return Err(Refusal { message, details: Vec::new() });
     };
     let mut fit = Fit { superquadric: shape.superquadric, ..automatic.clone() };
-    let errors = errors(&fit, points);
+    let bodies: Vec<Superquadric> = fit.bodies().copied().collect();
+    let (errors, _) = fit_errors_of_parts(&bodies, points);
     fit.radial_m = errors.radial_m;
     fit.goodness_of_fit = errors.goodness_of_fit;
     fit.goodness_of_fit_abs = errors.goodness_of_fit_abs;
