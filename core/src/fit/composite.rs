@@ -3,9 +3,8 @@
 //! A split is proposed by a plane across one of the principal axes of a part's points, at several offsets, or by what
 //! the part's own fit leaves over (its largest connected piece: the handle of a mug). Both sides are fitted briefly on few
 //! points, the best proposals are refined: every point goes to the nearest part, every part is fitted again to its
-//! points, and so on. A split is taken when
-//! it lowers `n/4 ln(MS + σ₀²) + k ln(n/4)` over all n points of the object: the Bayesian information criterion with
-//! k = 11 unknowns per part, a quarter of the points because the misfit of neighbours is the same misfit, and σ₀ the
+//! points, and so on. A split is taken when it lowers `n/4 ln(MS + σ₀²) + k ln(n/4)` over all n points of the object: the
+//! Bayesian information criterion with k = 11 unknowns per part, a quarter of the points because the misfit of neighbours is the same misfit, and σ₀ the
 //! larger of 3 mm (what a finger's pad gives) and a twentieth of the object's radius, below which an edge that is not
 //! quite round is no reason for another part. Where a point lies deep inside another part, that depth counts as its
 //! error, so that no part swallows its neighbour.
@@ -15,13 +14,13 @@ use nalgebra::{Point3, Vector3};
 use super::candidate::{Candidate, PLAIN};
 use super::frame::{mean_radius_m, principal_axes};
 use super::models::{best_model, bic};
-use super::objective::{Objective, Residual};
+use super::objective::Residual;
 use super::prepare::Prepared;
 use super::search::Search;
 use super::starts::Surroundings;
 use super::strays::pieces;
 use super::thin::every_nth;
-use super::types::{FitRefusal, FitSettings, ModelReport, ObjectiveKind, RunReport};
+use super::types::{FitRefusal, FitSettings, ModelReport, RunReport};
 use super::weighted::WeightedPoints;
 use crate::parallel;
 use crate::watch::Watch;
@@ -77,13 +76,14 @@ pub(crate) fn split(
     let floor_m = FLOOR_M.max(FLOOR_SHARE * mean_radius_m(&points));
     let context = Context { prepared, points, floor_m, settings, watch };
     let mut best = vec![single];
-    let mut criterion = context.criterion(&best);
-    let mut models = vec![report(&best, criterion, &context)];
+    let mut models = vec![context.report(&best)];
+    let mut criterion = models[0].criterion;
     let mut runs = Vec::new();
     while best.len() < settings.max_parts {
         let Some(next) = context.best_split(&best)? else { break };
-        let next_criterion = context.criterion(&next);
-        models.push(report(&next, next_criterion, &context));
+        let report = context.report(&next);
+        let next_criterion = report.criterion;
+        models.push(report);
         if next_criterion >= criterion {
             break;
         }
@@ -98,11 +98,6 @@ pub(crate) fn split(
     Ok(Composite { parts: best, models, runs })
 }
 
-fn report(parts: &[Candidate], criterion: f64, context: &Context<'_>) -> ModelReport {
-    let name = if parts.len() == 1 { "1 part".to_owned() } else { format!("{} parts", parts.len()) };
-    ModelReport { name, criterion, rms_m: context.mean_square(parts).sqrt(), is_chosen: false }
-}
-
 struct Context<'a> {
     prepared: &'a Prepared,
     points: Weighted,
@@ -114,7 +109,7 @@ struct Context<'a> {
 impl Context<'_> {
     fn residuals(&self, parts: &[Candidate]) -> Vec<Vec<Residual>> {
         let laid_out = WeightedPoints::new(&self.points);
-        parts.iter().map(|part| Objective::new(&laid_out, ObjectiveKind::Radial).residuals(part)).collect()
+        parts.iter().map(|part| laid_out.residuals(part)).collect()
     }
 
     /// Weighted mean of the squared errors, m²: distance from the nearest part, or depth inside another.
@@ -131,9 +126,13 @@ impl Context<'_> {
         sum / total.max(1e-300)
     }
 
-    fn criterion(&self, parts: &[Candidate]) -> f64 {
+    /// The criterion of these parts, and what a person reads.
+    fn report(&self, parts: &[Candidate]) -> ModelReport {
+        let mean_square = self.mean_square(parts);
         let independent = self.points.len() / NEIGHBOURS;
-        bic(self.mean_square(parts), self.floor_m, independent, (PLAIN * parts.len()) as f64)
+        let name = if parts.len() == 1 { "1 part".to_owned() } else { format!("{} parts", parts.len()) };
+        let criterion = bic(mean_square, self.floor_m, independent, (PLAIN * parts.len()) as f64);
+        ModelReport { name, criterion, rms_m: mean_square.sqrt(), is_chosen: false }
     }
 
     /// Index of the nearest part for every point.
@@ -206,7 +205,7 @@ impl Context<'_> {
             }
         }
         let laid_out = WeightedPoints::new(&own.iter().map(|k| self.points[*k]).collect::<Vec<_>>());
-        let residuals = Objective::new(&laid_out, ObjectiveKind::Radial).residuals(part);
+        let residuals = laid_out.residuals(part);
         for is_outside_only in [true, false] {
             let left: Vec<usize> = (0..positions.len())
                 .filter(|k| {

@@ -6,7 +6,6 @@
 //! evidence by Kass and Raftery 1995).
 
 use super::candidate::{BEND, Candidate, DEFORMED, PLAIN, TAPER};
-use super::objective::Objective;
 use super::robust::{sigma_m, truncated_mean_square};
 use super::search::Search;
 use super::types::{DeformMode, FitRefusal, ModelReport};
@@ -95,10 +94,8 @@ pub(crate) fn best_model(
     }
     let coarse = search.coarse.clone();
     let laid_out = WeightedPoints::new(&coarse);
-    let kind = search.objective_kind();
-    let residuals = |candidate: &Candidate| Objective::new(&laid_out, kind).residuals(candidate);
-    let limit_m = TRUNCATED_SIGMAS * sigma_m(&residuals(&plain)).max(NOISE_FLOOR_M);
-    let mean_square = |candidate: &Candidate| truncated_mean_square(&residuals(candidate), &coarse, limit_m);
+    let limit_m = TRUNCATED_SIGMAS * sigma_m(&laid_out.residuals(&plain)).max(NOISE_FLOOR_M);
+    let mean_square = |candidate: &Candidate| truncated_mean_square(&laid_out.residuals(candidate), &coarse, limit_m);
 
     let mut reports = Vec::new();
     let mut best: Option<(f64, Model, Candidate)> = None;

@@ -88,17 +88,18 @@ impl<'a> Objective<'a> {
         }
         equations
     }
+}
 
-    /// How far each point is from the surface of a candidate.
+impl WeightedPoints {
+    /// How far each point is from the surface of a candidate, whatever is minimised.
     pub(crate) fn residuals(&self, candidate: &Candidate) -> Vec<Residual> {
-        let frame = CandidateFrame::new(candidate, ObjectiveKind::Radial);
-        let chunks = &self.points.chunks;
+        let (chunks, frame) = (&self.chunks, CandidateFrame::new(candidate, ObjectiveKind::Radial));
         let mut residuals = if candidate.is_deformed() {
             widest(ResidualPass::<DEFORMED> { chunks, frame })
         } else {
             widest(ResidualPass::<PLAIN> { chunks, frame })
         };
-        residuals.truncate(self.points.count);
+        residuals.truncate(self.count);
         residuals
     }
 }
@@ -133,7 +134,7 @@ impl<const N: usize, const FORM: u8> Kernel for Pass<'_, N, FORM> {
     }
 }
 
-/// The pass of [`Objective::residuals`].
+/// The pass of [`WeightedPoints::residuals`].
 struct ResidualPass<'a, const N: usize> {
     chunks: &'a [Chunk],
     frame: CandidateFrame,

@@ -28,7 +28,9 @@ const MIRRORED_WEIGHT: f64 = 0.3;
 /// The cloud as the minimiser sees it.
 pub(crate) struct Prepared {
     pub(crate) X_FD: Isometry3<f64>,
-    /// All points that were seen, in D.
+    /// The different finite points of the input, in F.
+    pub(crate) points_F: Vec<Point3<f64>>,
+    /// Those of them that the fit looks at, in D.
     pub(crate) seen: Vec<Point3<f64>>,
     /// Voxel centroids in D with their weights.
     pub(crate) points: Vec<(Point3<f64>, f64)>,
@@ -98,7 +100,7 @@ pub(crate) fn prepare(input: &FitInput<'_>, settings: &FitSettings) -> Result<Pr
         complete: table.is_some() && mirroring.as_ref().is_some_and(|m| m.second.is_some()),
     };
     let points = thinned(&seen, &mirrored_D, first_voxel_m(settings));
-    Ok(Prepared { X_FD, seen, points, around, view, table, mirrored_D, mirror_note })
+    Ok(Prepared { X_FD, points_F, seen, points, around, view, table, mirrored_D, mirror_note })
 }
 
 /// Whether a cluster on z ≥ 0 reaches down to z = 0, as far as one can tell from a view that hides its underside.

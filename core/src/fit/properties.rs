@@ -110,6 +110,7 @@ fn a_fifth_of_the_points_may_be_strays() {
         errors.push((found.volume_m3 / shape.volume() - 1.0).abs());
         for rejected in &found.rejected {
             assert!(rejected.distance_m.abs() > rejected.limit_m);
+            assert!(points.contains(&rejected.p_F), "a rejected point is a point of the input, to the last bit");
         }
         assert!(!found.rejected.is_empty());
     }

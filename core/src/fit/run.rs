@@ -7,13 +7,11 @@ use super::composite::split;
 use super::contradiction::{contradiction_m, is_better, is_too_much};
 use super::metrics::{fit_errors, fit_errors_of_parts};
 use super::models::{Model, best_model};
-use super::objective::{Objective, Residual};
+use super::objective::Residual;
 use super::prepare::{LEVELS_M, Prepared, finite_points, prepare, thinned};
 use super::search::Search;
 use super::strays;
-use super::types::{
-    Fit, FitInput, FitRefusal, FitSettings, ModelReport, ObjectiveKind, Part, RejectedPoint, RunReport,
-};
+use super::types::{Fit, FitInput, FitRefusal, FitSettings, ModelReport, Part, RejectedPoint, RunReport};
 use super::weighted::WeightedPoints;
 use crate::superquadric::Superquadric;
 use crate::watch::Watch;
@@ -31,7 +29,6 @@ const LEVEL_GAIN: f64 = 0.02;
 pub fn fit(input: FitInput<'_>, settings: &FitSettings, watch: Watch<'_>) -> Result<Fit, FitRefusal> {
     watch.progress(0.0, "mirroring");
     let mut prepared = prepare(&input, settings)?;
-    let seen = prepared.seen.clone();
     watch.progress(0.2, "trying starts");
     let mut coarse = coarse_search(&prepared, settings, watch)?;
     if settings.reject_outliers && coarse.is_spoiled && prepared.keep_company(settings) {
@@ -51,18 +48,11 @@ pub fn fit(input: FitInput<'_>, settings: &FitSettings, watch: Watch<'_>) -> Res
         parts = composite.parts;
     }
     watch.progress(1.0, "fitted");
-    Ok(answer(&input, &prepared, &seen, settings, found, &parts))
+    Ok(answer(&input, &prepared, settings, found, &parts))
 }
 
 /// The result with its errors, in the frame of the input; the largest part first.
-fn answer(
-    input: &FitInput<'_>,
-    prepared: &Prepared,
-    seen: &[Point3<f64>],
-    settings: &FitSettings,
-    found: Found,
-    parts: &[Candidate],
-) -> Fit {
+fn answer(input: &FitInput<'_>, prepared: &Prepared, settings: &FitSettings, found: Found, parts: &[Candidate]) -> Fit {
     let mut bodies: Vec<Superquadric> = parts.iter().map(|part| part.superquadric(&prepared.X_FD)).collect();
     bodies.sort_by(|p, q| q.volume().total_cmp(&p.volume()));
     let finite: Vec<Point3<f64>> = finite_points(input.points);
@@ -83,7 +73,7 @@ fn answer(
         used_points: found.used_points,
         mirrored: prepared.mirrored_D.iter().map(|p| prepared.X_FD * p).collect(),
         mirror_note: prepared.mirror_note.clone(),
-        rejected: if settings.reject_outliers { rejected(prepared, seen, parts) } else { Vec::new() },
+        rejected: if settings.reject_outliers { rejected(prepared, parts) } else { Vec::new() },
         others: others.collect(),
         runs: found.runs,
         models: found.models,
@@ -142,7 +132,8 @@ fn within_view(
         return Ok(None);
     };
     let was_complete = std::mem::replace(&mut prepared.around.complete, true);
-    for reject_outliers in [settings.reject_outliers, false] {
+    let weightings = if settings.reject_outliers { &[true, false][..] } else { &[false] };
+    for &reject_outliers in weightings {
         let settings = FitSettings { reject_outliers, ..settings.clone() };
         let coarse = coarse_search(prepared, &settings, watch)?;
         let other = fit_from(prepared, coarse, &settings, watch)?;
@@ -204,20 +195,20 @@ fn fit_levels(
     Ok(found)
 }
 
-/// The seen points that are too far from every part to belong to the object, in F.
-fn rejected(prepared: &Prepared, points: &[Point3<f64>], parts: &[Candidate]) -> Vec<RejectedPoint> {
-    let seen = WeightedPoints::new(&points.iter().map(|p| (*p, 1.0)).collect::<Vec<_>>());
-    let by_part: Vec<Vec<Residual>> =
-        parts.iter().map(|part| Objective::new(&seen, ObjectiveKind::Radial).residuals(part)).collect();
-    let nearest: Vec<Residual> = (0..points.len())
+/// The points of the input that are too far from every part to belong to the object, in F.
+fn rejected(prepared: &Prepared, parts: &[Candidate]) -> Vec<RejectedPoint> {
+    let in_D = |p_F: &Point3<f64>| (prepared.X_FD.inverse_transform_point(p_F), 1.0);
+    let seen = WeightedPoints::new(&prepared.points_F.iter().map(in_D).collect::<Vec<_>>());
+    let by_part: Vec<Vec<Residual>> = parts.iter().map(|part| seen.residuals(part)).collect();
+    let nearest: Vec<Residual> = (0..prepared.points_F.len())
         .filter_map(|k| {
             let distances = by_part.iter().map(|residuals| residuals[k]);
             distances.min_by(|p, q| p.normal_m.abs().total_cmp(&q.normal_m.abs()))
         })
         .collect();
     let limit_m = strays::limit_m(&nearest);
-    let far = points.iter().zip(&nearest).filter(|(_, residual)| residual.normal_m.abs() > limit_m);
-    far.map(|(p, residual)| RejectedPoint { p_F: prepared.X_FD * p, distance_m: residual.normal_m, limit_m }).collect()
+    let far = prepared.points_F.iter().zip(&nearest).filter(|(_, residual)| residual.normal_m.abs() > limit_m);
+    far.map(|(p_F, residual)| RejectedPoint { p_F: *p_F, distance_m: residual.normal_m, limit_m }).collect()
 }
 
 #[cfg(test)]
@@ -227,9 +218,11 @@ mod tests {
     use super::*;
     use crate::fit::candidate::PLAIN;
     use crate::fit::levenberg_marquardt::{Limits, minimise};
+    use crate::fit::objective::Objective;
     use crate::fit::starts::{Surroundings, bounds, starts};
     use crate::fit::test_scenes::{Scene, standing, table};
     use crate::fit::types::MirrorMode;
+    use crate::fit::types::ObjectiveKind;
     use crate::rng::Rng;
     use crate::segment::Plane;
 

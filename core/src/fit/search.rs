@@ -11,7 +11,7 @@ use super::robust::reweighted;
 use super::starts::{Start, Surroundings, bounds, diagonal_starts, half_extents, similar, starts};
 use super::strays::is_poor;
 use super::thin::every_nth;
-use super::types::{FitRefusal, FitSettings, ObjectiveKind, RunReport, StopReason};
+use super::types::{FitRefusal, FitSettings, RunReport, StopReason};
 use super::weighted::WeightedPoints;
 use crate::parallel;
 use crate::segment::Plane;
@@ -27,7 +27,7 @@ const STANDING_SHARE: f64 = 0.3;
 /// a share of all points. Halves the volume error of unmirrored views (19 to 9 % on the rendered YCB boxes, balls, cans
 /// and fruit); clouds without a table are left alone, where a half-shell's true semi-axis may be all of its extent.
 const DRAWN_SHARE: f64 = 0.003;
-/// Up to this many points a second round on all of them costs little; half-seen noisy shapes gain 3 % by it.
+/// Up to this many points a second round on all of them costs little; half-seen noisy shapes gain 2 % by it.
 const FEW_POINTS: usize = 3000;
 /// Exponents of the starts: round and square. One of them alone loses 2 % of half-seen shapes.
 const START_EXPONENTS: [f64; 2] = [1.0, 0.4];
@@ -148,7 +148,7 @@ impl<'a> Search<'a> {
         });
     }
 
-    /// The best plain shape on few points: all starts briefly, three of them further, then its look-alikes.
+    /// The best plain shape on few points: all starts briefly, some of them further, then the best one's look-alikes.
     ///
     /// # Errors
     /// [`FitRefusal::Stopped`].
@@ -201,7 +201,7 @@ impl<'a> Search<'a> {
                 _ => break,
             }
         }
-        if is_poor(&self.residuals(&coarse, &best.candidate)) {
+        if is_poor(&weighted.residuals(&best.candidate)) {
             let more = diagonal_starts(&all_starts);
             let found = parallel::map(&more, |start| run(&run_few(&start.candidate).candidate, &longer));
             let better = more.iter().zip(found).min_by(|(_, p), (_, q)| p.cost.total_cmp(&q.cost));
@@ -222,14 +222,9 @@ impl<'a> Search<'a> {
         Ok(best.candidate)
     }
 
-    /// The objective that is minimised.
-    pub(crate) fn objective_kind(&self) -> ObjectiveKind {
-        self.settings.objective
-    }
-
     /// Distances of points from a candidate.
     pub(crate) fn residuals(&self, points: &[(Point3<f64>, f64)], candidate: &Candidate) -> Vec<Residual> {
-        Objective::new(&WeightedPoints::new(points), self.settings.objective).residuals(candidate)
+        WeightedPoints::new(points).residuals(candidate)
     }
 
     /// The shape on all points, from one that is nearly right.
@@ -304,7 +299,7 @@ impl<'a> Search<'a> {
         let laid_out = WeightedPoints::new(points);
         let mut candidate = from;
         for round in 1..=rounds {
-            let residuals = Objective::new(&laid_out, kind).residuals(&candidate);
+            let residuals = laid_out.residuals(&candidate);
             let weighted = reweighted(points, &residuals, kind);
             let found = self.run::<N>(&weighted, &candidate, &self.limits(30, 1e-5));
             self.note(&format!("{name}, round {round}"), &weighted, &found);

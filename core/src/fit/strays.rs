@@ -6,6 +6,7 @@ use nalgebra::Point3;
 
 use super::objective::Residual;
 use super::robust::sigma_m;
+use super::thin::cell;
 
 /// Outliers are suspected when more than this share of the points is far from the first fit.
 const SUSPICIOUS_SHARE: f64 = 0.02;
@@ -15,8 +16,8 @@ const POOR_SHARE: f64 = 0.02;
 /// A point is far beyond this many σ, and beyond this part of the mean distance from the centre.
 const FAR_SIGMAS: f64 = 6.0;
 const FAR_SHARE: f64 = 0.04;
-/// A point with fewer points around it than this part of the median stands alone. On a surface the least is about a quarter
-/// (a corner of a rim), in a cloud of strays around it a few percent.
+/// A point with fewer points around it than this part of the median stands alone. On a surface the least is about a
+/// quarter (a corner of a rim), in a cloud of strays around it a few percent.
 const LONELY_SHARE: f64 = 0.2;
 /// Points per cell that the grid for neighbours aims at, on the surface of the cloud's bounding box.
 const PER_CELL: f64 = 2.0;
@@ -55,17 +56,18 @@ pub(crate) fn in_company(points: &[Point3<f64>]) -> Vec<Point3<f64>> {
 
 fn without_lonely(points: Vec<Point3<f64>>) -> Vec<Point3<f64>> {
     let Some(edge_m) = cell_m(&points) else { return points };
-    let cell = |p: &Point3<f64>| [0, 1, 2].map(|i| (p[i] / edge_m).floor() as i32);
     // Looked up, never iterated, so the order of the hash does not matter.
     let mut counts: HashMap<[i32; 3], u32> = HashMap::new();
     for p in &points {
-        *counts.entry(cell(p)).or_default() += 1;
+        *counts.entry(cell(p, edge_m)).or_default() += 1;
     }
     let mut known: HashMap<[i32; 3], u32> = HashMap::with_capacity(counts.len());
     let company: Vec<u32> = points
         .iter()
         .map(|p| {
-            *known.entry(cell(p)).or_insert_with_key(|key| around(*key).filter_map(|near| counts.get(&near)).sum())
+            *known
+                .entry(cell(p, edge_m))
+                .or_insert_with_key(|key| around(*key).filter_map(|near| counts.get(&near)).sum())
         })
         .collect();
     let mut sorted = company.clone();
@@ -84,11 +86,10 @@ fn around([x, y, z]: [i32; 3]) -> impl Iterator<Item = [i32; 3]> {
 /// Points are connected when their cells touch, cells being as large as neighbours are apart.
 pub(crate) fn pieces(points: &[Point3<f64>]) -> Vec<Vec<usize>> {
     let Some(edge_m) = cell_m(points) else { return Vec::new() };
-    let cell = |p: &Point3<f64>| [0, 1, 2].map(|i| (p[i] / edge_m).floor() as i32);
     // Looked up, never iterated, so the order of the hash does not matter.
     let mut members: HashMap<[i32; 3], Vec<usize>> = HashMap::new();
     for (k, p) in points.iter().enumerate() {
-        members.entry(cell(p)).or_default().push(k);
+        members.entry(cell(p, edge_m)).or_default().push(k);
     }
     let mut is_taken = vec![false; points.len()];
     let mut pieces = Vec::new();
@@ -101,7 +102,7 @@ pub(crate) fn pieces(points: &[Point3<f64>]) -> Vec<Vec<usize>> {
         let mut next = 0;
         while let Some(&k) = piece.get(next) {
             next += 1;
-            for key in around(cell(&points[k])) {
+            for key in around(cell(&points[k], edge_m)) {
                 for &other in members.get(&key).into_iter().flatten() {
                     if !std::mem::replace(&mut is_taken[other], true) {
                         piece.push(other);

@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 
 /// Index of the voxel a coordinate falls into; far-away points share the outermost voxels.
-fn cell(p: &Point3<f64>, edge_m: f64) -> [i32; 3] {
+pub(crate) fn cell(p: &Point3<f64>, edge_m: f64) -> [i32; 3] {
     [0, 1, 2].map(|axis| (p[axis] / edge_m).floor() as i32)
 }
 

@@ -200,20 +200,26 @@ mod tests {
         }
     }
 
+    /// Distance of every sample from the one nearest to it, metres, in ascending order.
+    fn distances_to_nearest(samples: &[SurfaceSample]) -> Vec<f64> {
+        let mut nearest: Vec<f64> = samples
+            .iter()
+            .enumerate()
+            .map(|(i, p)| {
+                let others = samples.iter().enumerate().filter(|(j, _)| *j != i);
+                others.map(|(_, q)| (p.p_F - q.p_F).norm()).min_by(f64::total_cmp).unwrap()
+            })
+            .collect();
+        nearest.sort_by(f64::total_cmp);
+        nearest
+    }
+
     #[test]
     fn samples_of_deformed_shapes_are_as_evenly_spread() {
         for s in deformed_shapes() {
             let spacing_m = 0.008;
             let samples = s.samples_spaced(spacing_m);
-            let mut nearest: Vec<f64> = samples
-                .iter()
-                .enumerate()
-                .map(|(i, p)| {
-                    let others = samples.iter().enumerate().filter(|(j, _)| *j != i);
-                    others.map(|(_, q)| (p.p_F - q.p_F).norm()).min_by(f64::total_cmp).unwrap()
-                })
-                .collect();
-            nearest.sort_by(f64::total_cmp);
+            let nearest = distances_to_nearest(&samples);
             let quantile = |share: f64| nearest[(share * (nearest.len() - 1) as f64) as usize] / spacing_m;
             assert!(quantile(0.0) >= CLOSEST_THROWN - 1e-9, "{} {s:?}", quantile(0.0));
             assert!(quantile(0.99) <= 1.15, "{} {s:?}", quantile(0.99));
@@ -237,15 +243,7 @@ mod tests {
         for s in shapes() {
             let spacing_m = 0.008;
             let samples = s.samples_spaced(spacing_m);
-            let mut nearest: Vec<f64> = samples
-                .iter()
-                .enumerate()
-                .map(|(i, p)| {
-                    let others = samples.iter().enumerate().filter(|(j, _)| *j != i);
-                    others.map(|(_, q)| (p.p_F - q.p_F).norm()).min_by(f64::total_cmp).unwrap()
-                })
-                .collect();
-            nearest.sort_by(f64::total_cmp);
+            let nearest = distances_to_nearest(&samples);
             let quantile = |share: f64| nearest[(share * (nearest.len() - 1) as f64) as usize] / spacing_m;
             assert!(quantile(0.0) >= CLOSEST - 1e-9, "{} {s:?}", quantile(0.0));
             assert!(quantile(0.99) <= 1.35, "{} {s:?}", quantile(0.99));

@@ -9,6 +9,7 @@ use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_set
 use endcomfort_core::fit::{DeformMode, FitSettings, MirrorMode, ObjectiveKind};
 use endcomfort_core::job::{Request, SetShape, Stage, Update};
 use endcomfort_core::pipeline::Pipeline;
+use endcomfort_core::superquadric::Superquadric;
 use image::RgbaImage;
 
 use super::Page;
@@ -77,9 +78,14 @@ impl Bench {
 
     /// The present shape with its first semi-axis longer by a factor.
     fn stretched(&self, factor: f64) -> SetShape {
+        self.changed(|shape| shape.a *= factor)
+    }
+
+    /// The examined fit's shape with a change.
+    fn changed(&self, change: impl FnOnce(&mut Superquadric)) -> SetShape {
         let cluster = self.page.state.examined_cluster().expect("there is a cluster");
         let mut superquadric = self.page.state.examined_fit().expect("there is a fit").superquadric;
-        superquadric.a *= factor;
+        change(&mut superquadric);
         SetShape { cluster, superquadric }
     }
 }
@@ -162,40 +168,10 @@ fn values_out_of_range_are_refused_with_their_reason() {
     let mut bench = Bench::new("mustard");
     let fitted_m = bench.radial_m();
     for (change, word) in [
-        (
-            SetShape {
-                superquadric: {
-                    let mut s = bench.stretched(1.0).superquadric;
-                    s.e1 = 2.7;
-                    s
-                },
-                ..bench.stretched(1.0)
-            },
-            "e1",
-        ),
+        (bench.changed(|shape| shape.e1 = 2.7), "e1"),
         (bench.stretched(-1.0), "semi-axis a"),
-        (
-            SetShape {
-                superquadric: {
-                    let mut s = bench.stretched(1.0).superquadric;
-                    s.taper = 1.2;
-                    s
-                },
-                ..bench.stretched(1.0)
-            },
-            "taper",
-        ),
-        (
-            SetShape {
-                superquadric: {
-                    let mut s = bench.stretched(1.0).superquadric;
-                    s.bend_per_m = 900.0;
-                    s
-                },
-                ..bench.stretched(1.0)
-            },
-            "bend",
-        ),
+        (bench.changed(|shape| shape.taper = 1.2), "taper"),
+        (bench.changed(|shape| shape.bend_per_m = 900.0), "bend"),
         (bench.stretched(f64::NAN), "semi-axis a"),
     ] {
         bench.lab(LabCommand::SetShape(change));
