@@ -5,7 +5,7 @@ mod palette;
 
 use std::sync::Arc;
 
-use endcomfort_core::grasp::{Grasp, HandModel};
+use endcomfort_core::grasp::{Grasp, HandModel, Quantity};
 use endcomfort_core::job::{FitOutput, SceneOutput, SegmentOutput};
 use endcomfort_core::mesh::Mesh;
 use endcomfort_core::robot::Robot;
@@ -46,6 +46,8 @@ pub struct Content<'a> {
     pub layers: &'a Layers,
     pub hovered: Option<u32>,
     pub selected: Option<u32>,
+    /// What the grasps' colours mean.
+    pub colored_by: Quantity,
     /// The fit under examination, if there is one.
     pub lab: Option<LabContent<'a>>,
     pub theme: Theme,
@@ -236,7 +238,7 @@ impl Composer {
         let Some(arm) = input.robot.arm(input.scene.arm.name()) else { return };
         let pin = self.pin.get_or_insert_with(|| Arc::new(pin())).clone();
         let hand = HandModel::new(input.robot, arm);
-        let scale = merit_scale(input.grasps);
+        let scale = quantity_scale(input.grasps, input.colored_by);
         for grasp in input.grasps {
             let accepted = grasp.is_accepted();
             let opacity =
@@ -244,7 +246,8 @@ impl Composer {
             if opacity <= 0.0 {
                 continue;
             }
-            let mut color = if accepted { scale.color(grasp.merit()) } else { palette.rejected };
+            let value = input.colored_by.of(grasp).filter(|_| accepted);
+            let mut color = value.map_or(palette.rejected, |value| scale.color(value));
             color[3] *= opacity;
             // The pin stands on the surface and points back along the approach.
             let back = Translation3::new(0.0, 0.0, -hand.palm_depth_m().min(0.02));
@@ -282,10 +285,10 @@ impl Composer {
     }
 }
 
-/// Colours of accepted grasps by [`Grasp::merit`].
-pub fn merit_scale(grasps: &[Grasp]) -> Scale {
+/// Colours of accepted grasps by one of their numbers.
+pub fn quantity_scale(grasps: &[Grasp], quantity: Quantity) -> Scale {
     let accepted = grasps.iter().filter(|grasp| grasp.is_accepted());
-    Scale::covering(ColorMap::Viridis, accepted.map(Grasp::merit))
+    Scale::covering(ColorMap::Viridis, accepted.filter_map(|grasp| quantity.of(grasp)))
 }
 
 /// A grasp as a pin: its foot at the origin, its stem and head along -z, where the hand comes from.

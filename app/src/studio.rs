@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use endcomfort_core::grasp::Quantity;
 use endcomfort_core::robot::Robot;
 use nalgebra::{Isometry3, Point3};
 
 use crate::assets;
-use crate::compose::{Composer, Content, LabContent, Palette, merit_scale};
+use crate::compose::{Composer, Content, LabContent, Palette, quantity_scale};
 use crate::render::{Bounds, Theme};
 use crate::viewer::{
     ComposeInput, Demo, Label, Layer, Picture, Posture, RobotChoice, ScaleBar, Situation, Studio, Tone, objective_title,
@@ -50,6 +51,7 @@ impl Studio for BuiltInStudio {
         let outputs = input.outputs;
         let grasps = outputs.candidates();
         let under_way = matches!(input.posture, Posture::Plan { time_s } if time_s > 0.0);
+        let has_goal = outputs.grasps.as_ref().is_some_and(|g| g.X_WO_goal.is_some());
         let content = Content {
             scene: input.scene,
             robot: &robot,
@@ -65,6 +67,7 @@ impl Studio for BuiltInStudio {
             layers: input.layers,
             hovered: input.hover.grasp,
             selected: input.selection.grasp,
+            colored_by: input.scene.rank.by.quantity(has_goal).unwrap_or(Quantity::MgStart),
             lab: lab_content(input),
             theme: if input.dark { Theme::Dark } else { Theme::Light },
         };
@@ -79,11 +82,10 @@ impl Studio for BuiltInStudio {
             return Picture { frame, labels: Vec::new(), scale, legend, bounds: lab.bounds() };
         }
         let shows_grasps = input.layers.opacity(Layer::Grasps) > 0.0 && !content.grasps.is_empty();
-        let has_goal = content.X_WO_goal.is_some();
         let scale = (shows_grasps && outputs.rank.is_some()).then(|| ScaleBar {
-            title: format!("mean manipulability m_g at the {}", if has_goal { "goal" } else { "start" }),
+            title: content.colored_by.title().to_owned(),
             unit: "",
-            scale: merit_scale(grasps),
+            scale: quantity_scale(grasps, content.colored_by),
         });
         Picture { frame, labels: labels(input, &content), scale, legend: None, bounds: Some(workspace(input)) }
     }

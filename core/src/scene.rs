@@ -4,6 +4,7 @@ use nalgebra::{Isometry3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::fit::FitSettings;
+use crate::grasp::{GraspSettings, RankSettings};
 use crate::segment::SegmentSettings;
 
 /// Version of the format that this program writes.
@@ -44,6 +45,15 @@ pub struct Scene {
     /// Settings of the fit.
     #[serde(default)]
     pub fit: FitSettings,
+    /// Settings of the grasp synthesis.
+    #[serde(default)]
+    pub grasp: GraspSettings,
+    /// How grasps are ranked.
+    #[serde(default)]
+    pub rank: RankSettings,
+    /// Whether a joint between the robot's base and its arms (Crichton's torso) moves with the arm.
+    #[serde(default)]
+    pub torso: bool,
 }
 
 /// Which arm acts.
@@ -143,6 +153,18 @@ pub enum SceneError {
 pub const MAX_THINGS: usize = 200;
 /// A described object this close to a fit gives the fit its name and its colour, metres.
 const SAME_OBJECT_M: f64 = 0.08;
+/// Most surface samples per object are made at this density.
+pub const MAX_DENSITY: f64 = 80.0;
+/// Most rolls of the hand per sample.
+pub const MAX_ROLLS: f64 = 36.0;
+/// Most stand-off depths per sample.
+pub const MAX_DEPTHS: f64 = 10.0;
+/// Most poses for one success probability.
+pub const MAX_NOISE_TRIALS: f64 = 1000.0;
+/// Most arm angles of an IK set.
+pub const MAX_ARM_ANGLES: f64 = 360.0;
+/// Largest weight in a score.
+pub const MAX_WEIGHT: f64 = 100.0;
 /// Nothing stands farther than this from the robot, metres.
 const MAX_COORDINATE_M: f64 = 10.0;
 
@@ -206,7 +228,46 @@ impl Scene {
             self.fit.voxel_m,
             "0 or more".into(),
         )?;
+        self.check_grasping()?;
         Ok(self)
+    }
+
+    fn check_grasping(&self) -> Result<(), SceneError> {
+        let (grasp, rank) = (&self.grasp, &self.rank);
+        let range = |low: f64, high: f64| format!("from {low} to {high}");
+        for (place, value, low, high) in [
+            ("grasp.density", f64::from(grasp.density), 1.0, MAX_DENSITY),
+            ("grasp.rolls", f64::from(grasp.rolls), 1.0, MAX_ROLLS),
+            ("grasp.depths", f64::from(grasp.depths), 1.0, MAX_DEPTHS),
+            ("grasp.palm_gap_m", grasp.palm_gap_m, 0.0, 0.1),
+            ("grasp.fingertip_depth_m", grasp.fingertip_depth_m, 0.0, 0.1),
+            ("grasp.friction", grasp.friction, 0.01, 5.0),
+            ("grasp.noise.trials", f64::from(grasp.noise.trials), 0.0, MAX_NOISE_TRIALS),
+            ("grasp.noise.position_m", grasp.noise.position_m, 0.0, 0.1),
+            ("grasp.noise.rotation_rad", grasp.noise.rotation_rad, 0.0, 1.0),
+            ("grasp.filter.min_clearance_m", grasp.filter.min_clearance_m, 0.0, 1.0),
+            ("rank.arm_angles", rank.arm_angles as f64, 1.0, MAX_ARM_ANGLES),
+            ("rank.weights.m_g_goal", rank.weights.m_g_goal, 0.0, MAX_WEIGHT),
+            ("rank.weights.m_g_start", rank.weights.m_g_start, 0.0, MAX_WEIGHT),
+            ("rank.weights.ik_count", rank.weights.ik_count, 0.0, MAX_WEIGHT),
+            ("rank.weights.epsilon", rank.weights.epsilon, 0.0, MAX_WEIGHT),
+            ("rank.weights.success", rank.weights.success, 0.0, MAX_WEIGHT),
+            ("rank.weights.clearance", rank.weights.clearance, 0.0, MAX_WEIGHT),
+        ] {
+            check((low..=high).contains(&value), place, value, range(low, high))?;
+        }
+        if let Some(cone) = &grasp.filter.approach {
+            let length = cone.axis_W.norm();
+            check(length.is_finite() && length > 1e-9, "grasp.filter.approach.axis_W", length, "a direction".into())?;
+            let place = "grasp.filter.approach.half_angle_rad";
+            let pi = std::f64::consts::PI;
+            check((0.0..=pi).contains(&cone.half_angle_rad), place, cone.half_angle_rad, range(0.0, pi))?;
+        }
+        if let Some(region) = &grasp.filter.region {
+            let is_finite = region.center_W.iter().chain(&region.half_m).all(|x| x.abs() < MAX_COORDINATE_M);
+            check(is_finite, "grasp.filter.region", region, "numbers within 10 m".into())?;
+        }
+        Ok(())
     }
 }
 

@@ -71,6 +71,9 @@ mod tests {
             seed: u64::MAX,
             segment: Default::default(),
             fit: Default::default(),
+            grasp: Default::default(),
+            rank: Default::default(),
+            torso: false,
         }
     }
 

@@ -58,6 +58,7 @@ impl Picture<'_> {
             layers: &Layers::default(),
             hovered: None,
             selected: None,
+            colored_by: endcomfort_core::grasp::Quantity::MgStart,
             lab: None,
             theme: settings.theme,
         };

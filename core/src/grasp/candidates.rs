@@ -1,32 +1,11 @@
 //! Candidate grasps from uniform surface samples (thesis 4.2).
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
-use serde::{Deserialize, Serialize};
 
 use super::bodies::Bodies;
-use super::{Contact, Grasp, GraspStatus, HandModel, close, quality};
+use super::{Contact, Grasp, GraspSettings, GraspStatus, HandModel, close, quality};
 use crate::parallel;
 use crate::superquadric::{Superquadric, SurfaceSample};
-
-/// Settings of the grasp synthesis.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct GraspSettings {
-    /// Density N of the surface samples from which candidates start (about N²/π of them); each gives up to four.
-    pub density: u32,
-    /// Gap left between the palm and the object in a power grasp, metres.
-    pub palm_gap_m: f64,
-    /// How far the TCP dips below the surface in a fingertip grasp, metres.
-    pub fingertip_depth_m: f64,
-    /// A grasp needs at least this many contacts (3 in the thesis).
-    pub min_contacts: usize,
-}
-
-impl Default for GraspSettings {
-    fn default() -> Self {
-        Self { density: 14, palm_gap_m: 0.008, fingertip_depth_m: 0.010, min_contacts: 3 }
-    }
-}
 
 /// What the hand alone meets in the scene: link, and what it meets (`table` or a neighbour's name).
 pub struct HandHit {
@@ -125,6 +104,10 @@ fn judge(
             contacts: Vec::new(),
             width_m,
             epsilon: 0.0,
+            volume: 0.0,
+            success: None,
+            clearance_m: None,
+            score: None,
             start: None,
             goal: None,
             status: GraspStatus::Accepted,

@@ -102,7 +102,8 @@ pub(super) fn contacts(hand: &HandModel, positions: &[f64], X_OH: &Isometry3<f64
             }
             let Some(foot) = object.contact(&p_O, radius_m, PAD_GIVE_M) else { continue };
             if contacts[first..].iter().all(|c: &Contact| (c.p_O - foot.p_F).norm() >= CONTACT_SPACING_M) {
-                contacts.push(Contact { p_O: foot.p_F, n_O: foot.n_F, link: link.name.clone() });
+                let penetration_m = radius_m - (p_O - foot.p_F).dot(&foot.n_F);
+                contacts.push(Contact { p_O: foot.p_F, n_O: foot.n_F, penetration_m, link: link.name.clone() });
             }
         }
     }

@@ -6,12 +6,18 @@ mod close;
 mod hand;
 mod obstruction;
 mod quality;
+mod quantity;
+mod ranking;
+mod settings;
 mod situate;
 
-pub use candidates::{GraspSettings, HandHit, HandHits, candidates};
+pub use candidates::{HandHit, HandHits, candidates};
 pub use hand::HandModel;
 pub use obstruction::Obstruction;
 pub use quality::epsilon;
+pub use quantity::Quantity;
+pub use ranking::{RankBy, RankSettings, Score, Term, Weights, rank};
+pub use settings::{ApproachCone, ContactSurface, GraspFilter, GraspSettings, PoseNoise, Region, Unwanted};
 pub use situate::Reach;
 
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -35,6 +41,18 @@ pub struct Grasp {
     pub width_m: f64,
     /// Largest-ball quality of the grasp wrench space (Ferrari and Canny 1992); 0 without force closure.
     pub epsilon: f64,
+    /// Volume of the grasp wrench space in its six dimensions, forces and scaled torques without unit.
+    #[serde(default)]
+    pub volume: f64,
+    /// How often it holds when the object is not quite where it was seen; `None` while that was not asked.
+    #[serde(default)]
+    pub success: Option<Success>,
+    /// Smallest distance of the closed hand from table and neighbours at start and goal, metres; `None` while unknown.
+    #[serde(default)]
+    pub clearance_m: Option<f64>,
+    /// The weighted score among the accepted grasps; `None` before they are ranked.
+    #[serde(default)]
+    pub score: Option<Score>,
     /// The grasp at the start pose; `None` while it was not reached.
     pub start: Option<Situated>,
     /// The grasp at the goal pose; `None` while it was not reached or there is no goal.
@@ -48,11 +66,6 @@ impl Grasp {
     pub fn is_accepted(&self) -> bool {
         self.status == GraspStatus::Accepted
     }
-
-    /// What grasps are ranked and coloured by: m_g at the goal, or at the start when there is no goal (thesis 5.1).
-    pub fn merit(&self) -> f64 {
-        self.goal.as_ref().or(self.start.as_ref()).map_or(0.0, |situated| situated.m_g)
-    }
 }
 
 /// A place where the hand touches the object, in O.
@@ -62,8 +75,27 @@ pub struct Contact {
     pub p_O: Point3<f64>,
     /// Outward unit normal of the object there.
     pub n_O: Vector3<f64>,
+    /// How far the hand's surface is inside the object's there, metres; negative for a gap that the pads close.
+    #[serde(default)]
+    pub penetration_m: f64,
     /// Link of the hand that touches.
     pub link: String,
+}
+
+/// Holds among the poses tried around the one that was seen.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Success {
+    /// Poses at which the grasp held.
+    pub held: u32,
+    /// Poses tried, at least 1.
+    pub trials: u32,
+}
+
+impl Success {
+    /// Share of the poses at which the grasp held.
+    pub fn probability(&self) -> f64 {
+        f64::from(self.held) / f64::from(self.trials.max(1))
+    }
 }
 
 /// A grasp with the object at one pose: the IK set and its mean manipulability.
@@ -103,6 +135,12 @@ pub enum GraspStatus {
     NoIkAtStart { reason: Obstruction },
     /// No arm configuration reaches it at the goal pose.
     NoIkAtGoal { reason: Obstruction },
+    /// It can be reached at the start, but no configuration comes to it straight or lifts the object from it.
+    NoWayAtStart { reason: Obstruction },
+    /// It can be reached at the goal, but no configuration lowers the object there or leaves it straight.
+    NoWayAtGoal { reason: Obstruction },
+    /// It is not among those that a person wants.
+    Unwanted { wish: Unwanted },
 }
 
 impl GraspStatus {
@@ -118,6 +156,9 @@ impl GraspStatus {
             Self::HitsNeighbour { .. } => "hits_neighbour",
             Self::NoIkAtStart { .. } => "no_ik_at_start",
             Self::NoIkAtGoal { .. } => "no_ik_at_goal",
+            Self::NoWayAtStart { .. } => "no_way_at_start",
+            Self::NoWayAtGoal { .. } => "no_way_at_goal",
+            Self::Unwanted { .. } => "unwanted",
         }
     }
 
@@ -135,6 +176,9 @@ impl GraspStatus {
             Self::HitsNeighbour { link, neighbour } => format!("{link} hits {neighbour}"),
             Self::NoIkAtStart { reason } => format!("start: {reason}"),
             Self::NoIkAtGoal { reason } => format!("goal: {reason}"),
+            Self::NoWayAtStart { reason } => format!("start, way in or up: {reason}"),
+            Self::NoWayAtGoal { reason } => format!("goal, way down or out: {reason}"),
+            Self::Unwanted { wish } => wish.reason(),
         }
     }
 }

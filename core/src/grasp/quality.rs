@@ -157,7 +157,7 @@ mod tests {
     use crate::rng::Rng;
 
     fn contact(p: [f64; 3], n: [f64; 3]) -> Contact {
-        Contact { p_O: Point3::from(p), n_O: Vector3::from(n), link: String::new() }
+        Contact { p_O: Point3::from(p), n_O: Vector3::from(n), penetration_m: 0.0, link: String::new() }
     }
 
     fn six_sided() -> Vec<Contact> {

@@ -4,7 +4,9 @@ use nalgebra::{Isometry3, Point3};
 
 use crate::collision::{CollisionError, HandChecker, Scratch, World};
 use crate::fit::Fit;
-use crate::grasp::{Grasp, GraspSettings, GraspStatus, HandHit, HandModel, Obstruction, Reach, Situated, candidates};
+use crate::grasp::{
+    Grasp, GraspSettings, GraspStatus, HandHit, HandModel, Obstruction, Reach, Situated, candidates, rank,
+};
 use crate::job::{FitOutput, Refusal};
 use crate::library::Library;
 use crate::parallel;
@@ -14,8 +16,6 @@ use crate::superquadric::Superquadric;
 use crate::task::{Situation, Workcell, WorkcellError};
 use crate::watch::Watch;
 
-/// Arm angles at which the IK set is sampled: every 15°, with up to eight branches each.
-const ARM_ANGLES: usize = 24;
 /// Resolution of the meshes whose corners make collision hulls: 32 columns, 16 rows.
 const HULL_HALF: u32 = 4;
 
@@ -137,30 +137,30 @@ pub(super) fn grasp_candidates(cell: &Workcell, target: &Fit, settings: &GraspSe
 }
 
 /// Grasps with their IK sets at start and goal: accepted ones first, best first, then the rest in order of generation.
-pub(super) fn ranked(cell: &Workcell, grasps: &[Grasp], watch: Watch<'_>) -> Result<Vec<Grasp>, Refusal> {
+pub(super) fn ranked(
+    cell: &Workcell,
+    grasps: &[Grasp],
+    scene: &Scene,
+    watch: Watch<'_>,
+) -> Result<Vec<Grasp>, Refusal> {
     let goal_supports: Option<Vec<String>> = cell.X_WO_goal.map(|X_WO_goal| cell.supports(&X_WO_goal));
     let mut judged = parallel::map(grasps, |grasp| {
         let mut grasp = grasp.clone();
         if grasp.is_accepted() && !watch.should_stop() {
-            situate(cell, &mut grasp, goal_supports.as_deref());
+            situate(cell, &mut grasp, goal_supports.as_deref(), scene.rank.arm_angles);
         }
         grasp
     });
     if watch.should_stop() {
         return Err(Refusal { message: "stopped".into(), details: Vec::new() });
     }
-    judged.sort_by(|l, r| {
-        r.is_accepted()
-            .cmp(&l.is_accepted())
-            .then_with(|| if l.is_accepted() { r.merit().total_cmp(&l.merit()) } else { std::cmp::Ordering::Equal })
-            .then_with(|| l.id.cmp(&r.id))
-    });
+    rank(&mut judged, &scene.rank, scene.seed);
     Ok(judged)
 }
 
-fn situate(cell: &Workcell, grasp: &mut Grasp, goal_supports: Option<&[String]>) {
+fn situate(cell: &Workcell, grasp: &mut Grasp, goal_supports: Option<&[String]>, arm_angles: usize) {
     let q_rest = cell.q_with_fingers(&grasp.closed);
-    let reach = Reach { robot: &cell.robot, arm: cell.arm(), ik: &cell.ik, q_rest: &q_rest, arm_angles: ARM_ANGLES };
+    let reach = Reach { robot: &cell.robot, arm: cell.arm(), ik: &cell.ik, q_rest: &q_rest, arm_angles };
     let at = |X_WO: &Isometry3<f64>, situation: Result<Situation, CollisionError>| -> Situated {
         let checker = match situation.and_then(|situation| cell.checker(&situation)) {
             Ok(checker) => checker,

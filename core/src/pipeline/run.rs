@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::memory::{Memory, text};
 use super::{lab, perceive, rank};
-use crate::grasp::{Grasp, GraspSettings};
+use crate::grasp::Grasp;
 use crate::job::{
     FitOutput, GraspsOutput, Output, RankOutput, Refusal, Request, SceneOutput, SegmentOutput, Stage, Update,
 };
@@ -126,13 +126,21 @@ impl Pipeline {
             return Ok(Output::Fit(fits.clone()));
         }
 
-        inputs.push(text(&(&scene.robot, scene.arm, &scene.posture, &scene.task)));
+        inputs.push(text(&(
+            &scene.robot,
+            scene.arm,
+            scene.torso,
+            &scene.posture,
+            &scene.task,
+            &scene.grasp,
+            scene.seed,
+        )));
         let (cell, grasps) = self.grasps.get(inputs.clone(), || {
             let cell = rank::workcell(scene, fits, &segments.clusters, dropped.is_some(), library)?;
             let Some(Ok(target)) = fits.fits.get(fits.target) else {
                 return Err(Refusal { message: "the object to grasp has no fit".into(), details: Vec::new() });
             };
-            let grasps = rank::grasp_candidates(&cell, target, &GraspSettings::default())?;
+            let grasps = rank::grasp_candidates(&cell, target, &scene.grasp)?;
             Ok((cell, grasps))
         })?;
         if stage == Stage::Grasps {
@@ -143,7 +151,8 @@ impl Pipeline {
             }));
         }
 
-        let ranked = self.rank.get(inputs.clone(), || rank::ranked(cell, grasps, watch))?;
+        inputs.push(text(&scene.rank));
+        let ranked = self.rank.get(inputs.clone(), || rank::ranked(cell, grasps, scene, watch))?;
         let accepted = ranked.iter().filter(|grasp| grasp.is_accepted()).count();
         if stage == Stage::Rank {
             return Ok(Output::Rank(RankOutput { grasps: ranked.clone(), accepted }));

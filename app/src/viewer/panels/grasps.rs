@@ -113,5 +113,8 @@ fn words(status: &GraspStatus) -> &'static str {
         GraspStatus::HitsNeighbour { .. } => "Hits a neighbour",
         GraspStatus::NoIkAtStart { .. } => "Out of reach at start",
         GraspStatus::NoIkAtGoal { .. } => "Out of reach at goal",
+        GraspStatus::NoWayAtStart { .. } => "No way in or up at start",
+        GraspStatus::NoWayAtGoal { .. } => "No way down or out at goal",
+        GraspStatus::Unwanted { .. } => "Not wanted",
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use endcomfort_core::cloud::{PixelGrid, PointCloud};
 use endcomfort_core::fit::{Fit, FitSettings, ModelReport, ObjectiveKind, RejectedPoint, RunReport, StopReason};
-use endcomfort_core::grasp::{Contact, Grasp, GraspStatus, Obstruction, Situated};
+use endcomfort_core::grasp::{Contact, Grasp, GraspSettings, GraspStatus, Obstruction, RankSettings, Situated};
 use endcomfort_core::job::{
     FitOutput, GraspsOutput, ObjectiveFit, Output, RankOutput, SceneOutput, SegmentOutput, Update,
 };
@@ -46,6 +46,9 @@ pub(super) fn scene(name: &str, title: &str, summary: &str, robot: &str) -> Arc<
         seed: 7,
         segment: SegmentSettings::default(),
         fit: FitSettings::default(),
+        grasp: GraspSettings::default(),
+        rank: RankSettings::default(),
+        torso: false,
     })
 }
 
@@ -275,8 +278,12 @@ fn candidates() -> Vec<Grasp> {
                 ),
                 _ => (None, None),
             };
-            let contact =
-                |link: &str| Contact { p_O: Point3::new(0.03, 0.0, 0.0), n_O: Vector3::x(), link: link.to_owned() };
+            let contact = |link: &str| Contact {
+                p_O: Point3::new(0.03, 0.0, 0.0),
+                n_O: Vector3::x(),
+                penetration_m: 0.0,
+                link: link.to_owned(),
+            };
             Grasp {
                 id: (i * 131) % 412,
                 part: 0,
@@ -285,6 +292,10 @@ fn candidates() -> Vec<Grasp> {
                 contacts: vec![contact("thumb"), contact("finger 1"), contact("finger 2"), contact("palm")],
                 width_m: 0.071,
                 epsilon: 0.21 - 0.001 * rank / 4.0,
+                volume: 0.08,
+                success: None,
+                clearance_m: None,
+                score: None,
                 start,
                 goal,
                 status,

@@ -1,0 +1,173 @@
+//! The order of accepted grasps: by m_g (thesis 5.1), by a weighted score with visible terms, or by the controls of
+//! Table 5.1.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Grasp, Quantity};
+use crate::rng::Rng;
+
+/// Stream of the random order.
+const RANDOM_STREAM: u64 = 0x7261_6e6b;
+
+/// How grasps are ordered.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct RankSettings {
+    /// What counts.
+    pub by: RankBy,
+    /// Weights of the score, by term; a term that is not named has weight 0.
+    pub weights: Weights,
+    /// Arm angles over a full turn at which IK sets are sampled.
+    pub arm_angles: usize,
+}
+
+impl Default for RankSettings {
+    fn default() -> Self {
+        Self { by: RankBy::Goal, weights: Weights::default(), arm_angles: 24 }
+    }
+}
+
+/// What grasps are ordered by; the first is best.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RankBy {
+    /// m_g at the goal: the end-comfort effect.
+    #[default]
+    Goal,
+    /// m_g at the start.
+    Start,
+    /// The mean of both.
+    Mean,
+    /// The weighted score.
+    Score,
+    /// ε alone: a control.
+    Epsilon,
+    /// A random order of the scene's seed: a control.
+    Random,
+}
+
+impl RankBy {
+    /// All orders.
+    pub const ALL: [Self; 6] = [Self::Goal, Self::Start, Self::Mean, Self::Score, Self::Epsilon, Self::Random];
+
+    /// The name in JSON and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Goal => "goal",
+            Self::Start => "start",
+            Self::Mean => "mean",
+            Self::Score => "score",
+            Self::Epsilon => "epsilon",
+            Self::Random => "random",
+        }
+    }
+
+    /// The quantity that decides; a task without a goal has its start alone. `None` for a random order.
+    pub fn quantity(self, has_goal: bool) -> Option<Quantity> {
+        Some(match self {
+            Self::Goal if has_goal => Quantity::MgGoal,
+            Self::Mean if has_goal => Quantity::MgMean,
+            Self::Goal | Self::Start | Self::Mean => Quantity::MgStart,
+            Self::Score => Quantity::Score,
+            Self::Epsilon => Quantity::Epsilon,
+            Self::Random => return None,
+        })
+    }
+}
+
+/// Weights of the score's terms, 0 or more.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Weights {
+    /// Of m_g at the goal.
+    pub m_g_goal: f64,
+    /// Of m_g at the start.
+    pub m_g_start: f64,
+    /// Of N, the smaller one of start and goal.
+    pub ik_count: f64,
+    /// Of ε.
+    pub epsilon: f64,
+    /// Of the success probability.
+    pub success: f64,
+    /// Of the clearance.
+    pub clearance: f64,
+}
+
+impl Default for Weights {
+    fn default() -> Self {
+        Self { m_g_goal: 1.0, m_g_start: 0.5, ik_count: 0.25, epsilon: 0.25, success: 0.5, clearance: 0.25 }
+    }
+}
+
+/// The weighted score of a grasp.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Score {
+    /// Sum of weight times share over all terms, divided by the sum of the weights: in [0, 1].
+    pub total: f64,
+    /// What it is made of.
+    pub terms: Vec<Term>,
+}
+
+/// One term of a score.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Term {
+    /// Its name, that of the weight.
+    pub name: String,
+    /// Its weight.
+    pub weight: f64,
+    /// The grasp's value divided by the largest of all accepted grasps, in [0, 1].
+    pub share: f64,
+}
+
+/// Orders grasps: accepted ones first, best first, equal ones by number; then the others by number. Fills in the
+/// scores.
+pub fn rank(grasps: &mut [Grasp], settings: &RankSettings, seed: u64) {
+    score(grasps, &settings.weights);
+    let has_goal = grasps.iter().any(|grasp| grasp.is_accepted() && grasp.goal.is_some());
+    let quantity = settings.by.quantity(has_goal);
+    let key = |grasp: &Grasp| match quantity {
+        _ if !grasp.is_accepted() => f64::NEG_INFINITY,
+        Some(quantity) => quantity.of(grasp).unwrap_or(f64::NEG_INFINITY),
+        None => Rng::new(seed, RANDOM_STREAM ^ (u64::from(grasp.id) << 32)).unit(),
+    };
+    grasps.sort_by(|l, r| {
+        let by_key = || key(r).total_cmp(&key(l));
+        r.is_accepted().cmp(&l.is_accepted()).then_with(by_key).then_with(|| l.id.cmp(&r.id))
+    });
+}
+
+/// The scores of all accepted grasps.
+fn score(grasps: &mut [Grasp], weights: &Weights) {
+    let terms: [(&str, f64, fn(&Grasp) -> f64); 6] = [
+        ("m_g_goal", weights.m_g_goal, |g| Quantity::MgGoal.of(g).unwrap_or(0.0)),
+        ("m_g_start", weights.m_g_start, |g| Quantity::MgStart.of(g).unwrap_or(0.0)),
+        ("ik_count", weights.ik_count, |g| {
+            let counts = [Quantity::IkStart.of(g), Quantity::IkGoal.of(g)];
+            counts.into_iter().flatten().fold(f64::INFINITY, f64::min)
+        }),
+        ("epsilon", weights.epsilon, |g| g.epsilon),
+        ("success", weights.success, |g| Quantity::Success.of(g).unwrap_or(0.0)),
+        ("clearance", weights.clearance, |g| g.clearance_m.unwrap_or(0.0).max(0.0)),
+    ];
+    let largest = terms.map(|(_, _, value)| {
+        let accepted = grasps.iter().filter(|grasp| grasp.is_accepted());
+        accepted.map(value).filter(|value| value.is_finite()).fold(0.0, f64::max)
+    });
+    let sum: f64 = terms.iter().map(|(_, weight, _)| weight).sum();
+    for grasp in grasps.iter_mut() {
+        grasp.score = grasp.is_accepted().then(|| {
+            let share = |value: f64, of: f64| if of > 0.0 { (value / of).min(1.0) } else { 0.0 };
+            let terms: Vec<Term> = terms
+                .iter()
+                .zip(largest)
+                .map(|((name, weight, value), of)| Term {
+                    name: (*name).to_owned(),
+                    weight: *weight,
+                    share: share(value(grasp), of),
+                })
+                .collect();
+            let total: f64 = terms.iter().map(|term| term.weight * term.share).sum();
+            Score { total: if sum > 0.0 { total / sum } else { 0.0 }, terms }
+        });
+    }
+}
