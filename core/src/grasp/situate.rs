@@ -27,9 +27,11 @@ impl Reach<'_> {
     pub fn situate(&self, X_WH: &Isometry3<f64>, mut hit: impl FnMut(&[f64]) -> Option<Obstruction>) -> Situated {
         let X_WB = self.robot.link_poses(self.q_rest)[self.arm.base_link];
         let q_now: Vec<f64> = self.arm.dofs.iter().map(|&dof| self.q_rest[dof]).collect();
-        let found = self.ik.set(&X_WB.inv_mul(X_WH), &q_now, self.arm_angles);
+        let X_BH = X_WB.inv_mul(X_WH);
+        let found = self.ik.set(&X_BH, &q_now, self.arm_angles);
 
-        let mut situated = Situated::default();
+        let feasible = self.ik.closed_form().map(|arm| arm.feasible_arcs(&X_BH)).unwrap_or_default();
+        let mut situated = Situated { feasible, ..Situated::default() };
         let mut reasons: Vec<(Obstruction, usize)> = Vec::new();
         let mut turn_away = |reason: Obstruction| match reasons.iter_mut().find(|(known, _)| *known == reason) {
             Some((_, count)) => *count += 1,
