@@ -1,6 +1,7 @@
 //! Robots: URDF + SRDF, kinematics, limits, hands, inverse kinematics.
 
 mod chain;
+mod dexterity;
 mod error;
 pub mod ik;
 mod kinematics;
@@ -12,10 +13,12 @@ pub(crate) mod samples;
 mod shapes_test;
 mod srdf;
 mod tree;
+mod trig;
 mod urdf;
 mod xml;
 
 pub use chain::{Chain, ChainError, ChainState};
+pub use dexterity::{Dexterity, Placed};
 pub use error::{MAX_LINKS, RobotError};
 pub use model::{
     Arm, CollisionBody, Geometry, Hand, Joint, JointKind, JointLimit, Link, Material, Mimic, Robot, Visual,

@@ -21,8 +21,7 @@ const MAX_EXTRA: usize = 2;
 #[derive(Clone, Debug)]
 pub struct ArmIk {
     kind: Kind,
-    limits: Vec<JointLimit>,
-    names: Vec<String>,
+    chain: Chain,
 }
 
 #[derive(Clone, Debug)]
@@ -112,15 +111,14 @@ impl ArmIk {
     }
 
     fn solving(robot: &Robot, chain: Chain, base_link: usize, tip_link: usize) -> Self {
-        let (limits, names) = (chain.limits().to_vec(), chain.joint_names().to_vec());
         let kind = match SrsArm::between(robot, base_link, tip_link) {
             Ok(srs) => Kind::Srs(Box::new(srs)),
             Err(because) => led(robot, base_link, tip_link).unwrap_or_else(|seven| Kind::Numeric {
-                arm: Box::new(NumericArm::new(robot, chain)),
+                arm: Box::new(NumericArm::new(robot, chain.clone())),
                 because: seven.unwrap_or(because),
             }),
         };
-        Self { kind, limits, names }
+        Self { kind, chain }
     }
 
     /// The same with another number of positions for each joint before an S-R-S arm, besides the present one.
@@ -154,14 +152,14 @@ impl ArmIk {
         if let Kind::Srs(srs) = &self.kind { Some(srs) } else { None }
     }
 
-    /// Limits of the joints.
-    pub fn limits(&self) -> &[JointLimit] {
-        &self.limits
+    /// The joints from the base link to the hand.
+    pub fn chain(&self) -> &Chain {
+        &self.chain
     }
 
-    /// Names of the joints.
-    pub fn joint_names(&self) -> &[String] {
-        &self.names
+    /// Limits of the joints.
+    pub fn limits(&self) -> &[JointLimit] {
+        self.chain.limits()
     }
 
     /// Postures that bring the hand to a pose.
@@ -170,7 +168,7 @@ impl ArmIk {
     /// * `q_now`: the present joints; extra joints stand there first, numeric descents start there first.
     /// * `arm_angles`: arm angles over a full turn at which all branches are solved; starts of a numeric arm.
     pub fn set(&self, X_BH: &Isometry3<f64>, q_now: &[f64], arm_angles: usize) -> Postures {
-        let mut postures = Postures { dofs: self.limits.len(), ..Postures::default() };
+        let mut postures = Postures { dofs: self.limits().len(), ..Postures::default() };
         let mut found = IkSet::default();
         match &self.kind {
             Kind::Srs(srs) => {
@@ -530,7 +528,7 @@ mod tests {
         assert!(error.contains("left_joint_3"), "{error}");
         let longer = robot.with_torso(0);
         let ik = ArmIk::of(&longer, &longer.arms[0]).unwrap();
-        assert_eq!(ik.joint_names()[0], "torso_joint");
+        assert_eq!(ik.chain().joint_names()[0], "torso_joint");
         assert_eq!(ik.limits().len(), 8);
     }
 }
