@@ -1,5 +1,7 @@
 //! From candidates to ranked grasps: each one situated at the start and at the goal.
 
+use std::sync::Arc;
+
 use nalgebra::{Isometry3, Point3};
 
 use crate::collision::{CollisionError, ConvexHull, HandChecker, Scratch, World};
@@ -10,7 +12,7 @@ use crate::grasp::{
 use crate::job::{FitOutput, Refusal};
 use crate::library::Library;
 use crate::parallel;
-use crate::robot::ik::SrsArm;
+use crate::robot::ik::ArmIk;
 use crate::scene::Scene;
 use crate::superquadric::Superquadric;
 use crate::task::{Situation, TARGET, Workcell, WorkcellError};
@@ -40,9 +42,10 @@ pub(super) fn workcell(
             refusal(&WorkcellError::NoPosture { robot: robot.name.clone(), posture: scene.posture.clone() })
         })?
         .to_vec();
+    let robot = if scene.torso { Arc::new(robot.with_torso(arm_index)) } else { robot };
     let arm = &robot.arms[arm_index];
     let build = || -> Result<_, WorkcellError> {
-        let ik = SrsArm::of(&robot, arm)?;
+        let ik = ArmIk::of(&robot, arm)?;
         let model = crate::collision::CollisionModel::new(&robot)?;
         Ok((ik, model, obstacles(scene, fits, clusters, is_dropped)?))
     };

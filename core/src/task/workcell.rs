@@ -8,8 +8,8 @@ use super::{PhaseKind, Plan};
 use crate::collision::{CarriedObject, Checker, ConvexHull, CollisionError, CollisionModel, Exhaustive, MayTouch, Party, World};
 use crate::grasp::{Grasp, HandModel};
 use crate::plan::{WalkHit, walk};
-use crate::robot::ik::{NotSrs, SrsArm};
-use crate::robot::{Arm, Robot};
+use crate::robot::ik::ArmIk;
+use crate::robot::{Arm, ChainError, Robot};
 
 /// What reasons call the object that is grasped.
 pub const TARGET: &str = "object";
@@ -27,7 +27,7 @@ pub struct Workcell {
     /// Index of the acting arm in [`Robot::arms`].
     pub arm_index: usize,
     /// Inverse kinematics of that arm.
-    pub ik: SrsArm,
+    pub ik: ArmIk,
     /// Its hand.
     pub hand: HandModel,
     /// All joints before anything moves.
@@ -64,9 +64,9 @@ pub enum WorkcellError {
     /// The robot has no such posture.
     #[error("{robot} has no posture {posture:?}")]
     NoPosture { robot: String, posture: String },
-    /// The arm cannot be solved in closed form.
-    #[error("the arm has no closed-form inverse kinematics: {0}")]
-    Ik(#[from] NotSrs),
+    /// The arm's joints are no chain to its hand.
+    #[error(transparent)]
+    Chain(#[from] ChainError),
     /// A body makes no sense.
     #[error(transparent)]
     Collision(#[from] CollisionError),
