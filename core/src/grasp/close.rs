@@ -19,32 +19,42 @@ const NEAR_M: f64 = 0.003;
 const MAX_ADVANCES: usize = 200;
 
 /// How deep the hand is inside the object: the worst link and its depth, metres; negative depths are gaps.
+///
+/// Only depths above `floor_m` count: when there is none, the answer has that depth and link 0.
 pub(super) fn deepest(
     hand: &HandModel,
     X_HL: &[Isometry3<f64>],
     X_OH: &Isometry3<f64>,
     object: &Bodies,
+    floor_m: f64,
     only: impl Fn(usize) -> bool,
 ) -> (usize, f64) {
-    let mut worst = (0, f64::NEG_INFINITY);
+    let mut worst = (0, floor_m);
+    // The signed distance is a lower bound, so a ball that is clear of the object clears all it holds.
+    let is_clear = |X_OL: &Isometry3<f64>, (center, bound): &(Point3<f64>, f64), floor_m: f64| {
+        bound - object.signed_distance(&(X_OL * center)) < floor_m
+    };
     for (index, (link, X_HL)) in hand.links.iter().zip(X_HL).enumerate() {
         if !only(index) {
             continue;
         }
         let X_OL = X_OH * X_HL;
-        // The signed distance is a lower bound, so a ball that is clear of the object clears all it holds.
-        let (center, bound) = &link.ball;
-        if bound - object.signed_distance(&(X_OL * center)) < worst.1 {
+        if is_clear(&X_OL, &link.ball, worst.1) {
             continue;
         }
-        for (center, radius) in &link.spheres {
-            let p_O = X_OL * center;
-            let mut depth = radius - object.signed_distance(&p_O);
-            if depth > worst.1 && depth > -NEAR_M {
-                depth = radius - object.near_distance(&p_O);
+        for patch in &link.patches {
+            if patch.spheres.len() > 1 && is_clear(&X_OL, &patch.ball, worst.1) {
+                continue;
             }
-            if depth > worst.1 {
-                worst = (index, depth);
+            for (center, radius) in &patch.spheres {
+                let p_O = X_OL * center;
+                let mut depth = radius - object.signed_distance(&p_O);
+                if depth > worst.1 && depth > -NEAR_M {
+                    depth = radius - object.near_distance(&p_O);
+                }
+                if depth > worst.1 {
+                    worst = (index, depth);
+                }
             }
         }
     }
@@ -64,7 +74,9 @@ pub(super) fn close(hand: &HandModel, X_OH: &Isometry3<f64>, object: &Bodies) ->
         for _ in 0..MAX_ADVANCES {
             let X_HL = hand.link_poses(&positions);
             let moved = |link: usize| hand.links[link].moved_by.contains(&value);
-            let gap_m = -deepest(hand, &X_HL, X_OH, object, moved).1;
+            // A gap that allows all that is left need not be known better.
+            let enough_m = left * hand.lever(value) + TOUCH_M;
+            let gap_m = -deepest(hand, &X_HL, X_OH, object, -enough_m, moved).1;
             if gap_m < TOUCH_M || left <= 0.0 {
                 break;
             }
@@ -85,15 +97,17 @@ pub(super) fn contacts(hand: &HandModel, positions: &[f64], X_OH: &Isometry3<f64
         if object.signed_distance(&(X_OL * link.ball.0)) > link.ball.1 + PAD_GIVE_M {
             continue;
         }
-        let mut near: Vec<(f64, Point3<f64>, f64)> = link
-            .spheres
-            .iter()
-            .filter_map(|(center, radius)| {
+        let mut near: Vec<(f64, Point3<f64>, f64)> = Vec::new();
+        for patch in &link.patches {
+            if object.signed_distance(&(X_OL * patch.ball.0)) > patch.ball.1 + PAD_GIVE_M {
+                continue;
+            }
+            near.extend(patch.spheres.iter().filter_map(|(center, radius)| {
                 let p_O = X_OL * center;
                 let gap = object.signed_distance(&p_O) - radius;
                 (gap < PAD_GIVE_M).then_some((gap, p_O, *radius))
-            })
-            .collect();
+            }));
+        }
         near.sort_by(|a, b| a.0.total_cmp(&b.0));
         let first = contacts.len();
         for (_, p_O, radius_m) in near {

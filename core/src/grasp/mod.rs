@@ -10,7 +10,11 @@ mod quantity;
 mod ranking;
 mod settings;
 mod situate;
+mod success;
+mod surfels;
+mod volume;
 
+pub use bodies::Touched;
 pub use candidates::{HandHit, HandHits, candidates};
 pub use hand::HandModel;
 pub use obstruction::Obstruction;
@@ -19,6 +23,9 @@ pub use quantity::Quantity;
 pub use ranking::{RankBy, RankSettings, Score, Term, Weights, rank};
 pub use settings::{ApproachCone, ContactSurface, GraspFilter, GraspSettings, PoseNoise, Region, Unwanted};
 pub use situate::Reach;
+pub use success::Trials;
+pub use surfels::Surfels;
+pub use volume::volume;
 
 use nalgebra::{Isometry3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
