@@ -117,6 +117,10 @@ pub struct Situated {
     pub solutions: Vec<Vec<f64>>,
     /// Manipulability (5.1) of each solution.
     pub manipulability: Vec<f64>,
+    /// Indices of solutions from which the hand can come and go straight with and without the object, the most
+    /// manipulable first: as many as a planner needs, not all there are.
+    #[serde(default)]
+    pub with_ways: Vec<usize>,
     /// What was turned away: reason and count, most frequent first.
     pub rejected: Vec<(Obstruction, usize)>,
 }
