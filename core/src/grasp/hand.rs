@@ -132,6 +132,13 @@ impl HandModel {
     /// Pose `X_HL` of every link for the finger positions, in the order of `links`.
     pub fn link_poses(&self, finger_positions: &[f64]) -> Vec<Isometry3<f64>> {
         let mut X_HL = Vec::with_capacity(self.links.len());
+        self.link_poses_into(finger_positions, &mut X_HL);
+        X_HL
+    }
+
+    /// As [`HandModel::link_poses`], into a vector that is reused.
+    pub fn link_poses_into(&self, finger_positions: &[f64], X_HL: &mut Vec<Isometry3<f64>>) {
+        X_HL.clear();
         X_HL.push(self.X_HP);
         for link in &self.links[1..] {
             let X_HJ = X_HL[link.parent] * link.X_PJ;
@@ -149,7 +156,6 @@ impl HandModel {
                 }
             });
         }
-        X_HL
     }
 
     /// Metres that any point of the hand moves at most per unit (rad or m) of a finger value.

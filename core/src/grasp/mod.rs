@@ -122,6 +122,10 @@ pub struct Situated {
     /// Arm angles that the joint limits allow, collisions not asked; empty for an arm without closed form.
     #[serde(default)]
     pub feasible: Vec<Arc>,
+    /// Indices of solutions from which the hand can come and go straight with and without the object, the most
+    /// manipulable first: as many as a planner needs, not all there are.
+    #[serde(default)]
+    pub with_ways: Vec<usize>,
     /// What was turned away: reason and count, most frequent first.
     pub rejected: Vec<(Obstruction, usize)>,
 }

@@ -215,7 +215,8 @@ mod tests {
             contact([-0.04, 0.002, 0.0], [-1.0, 0.0, 0.0]),
             contact([-0.04, -0.002, 0.0], [-1.0, 0.0, 0.0]),
         ];
-        let (wide, thin) = (epsilon(&ring(0.0), 0.5, &Point3::origin(), 0.04), epsilon(&narrow, 0.5, &Point3::origin(), 0.04));
+        let (wide, thin) =
+            (epsilon(&ring(0.0), 0.5, &Point3::origin(), 0.04), epsilon(&narrow, 0.5, &Point3::origin(), 0.04));
         assert!(wide > thin && thin >= 0.0, "{wide} against {thin}");
     }
 

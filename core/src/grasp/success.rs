@@ -5,11 +5,11 @@
 //! the one that was seen; it succeeds when no part of the hand is pushed into the object, and the closed fingers have
 //! force closure with enough contacts.
 
-use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use super::bodies::{Bodies, Touched};
 use super::candidates::is_opposed;
-use super::{Grasp, GraspSettings, HandModel, Success, close, epsilon};
+use super::{Grasp, GraspSettings, HandModel, Success, close, epsilon, volume};
 use crate::rng::Rng;
 use crate::superquadric::Superquadric;
 
@@ -41,6 +41,15 @@ impl<'a> Trials<'a> {
         (trials > 0).then_some(Success { held: held as u32, trials })
     }
 
+    /// Volume of the grasp's wrench space, as it was closed.
+    pub fn volume(&self, grasp: &Grasp) -> f64 {
+        if grasp.epsilon > 0.0 {
+            volume(&grasp.contacts, self.settings.friction, &self.bodies.center_O, self.bodies.size_m)
+        } else {
+            0.0
+        }
+    }
+
     /// The hand as the object sees it once the object has moved, turning about its centre.
     fn shifted(&self, grasp: &Grasp, rng: &mut Rng) -> Isometry3<f64> {
         let noise = &self.settings.noise;
@@ -61,10 +70,9 @@ impl<'a> Trials<'a> {
         }
         let closed = close::close(hand, X_OH, bodies);
         let contacts = close::contacts(hand, &closed, X_OH, bodies);
-        let Bodies { center_O, size_m, .. } = bodies;
         contacts.len() >= self.settings.min_contacts
             && is_opposed(&contacts, X_OH)
-            && epsilon(&contacts, self.settings.friction, &Point3::from(center_O.coords), *size_m) > 0.0
+            && epsilon(&contacts, self.settings.friction, &bodies.center_O, bodies.size_m) > 0.0
     }
 }
 

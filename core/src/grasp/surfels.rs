@@ -9,6 +9,8 @@ use crate::superquadric::SurfaceSample;
 
 /// Neighbours from which a normal is estimated.
 const NEIGHBOURS: usize = 12;
+/// Radius of a disc in mean distances between neighbours: discs of loose points overlap.
+const DISC_SPACINGS: f64 = 2.0;
 /// Cells are this many mean point distances wide.
 const CELL_SPACINGS: f64 = 3.0;
 /// No more cells along an edge than this.
@@ -17,8 +19,8 @@ const MAX_CELLS: f64 = 96.0;
 /// Points of a surface in O, each with its outward normal, in a grid.
 pub struct Surfels {
     samples: Vec<SurfaceSample>,
-    /// Mean distance between neighbours, metres: the radius of the discs.
-    spacing_m: f64,
+    /// Radius of the discs, metres.
+    disc_m: f64,
     low: Point3<f64>,
     high: Point3<f64>,
     cell_m: f64,
@@ -46,7 +48,7 @@ impl Surfels {
         let counts = [0, 1, 2].map(|axis| (size[axis] / cell_m) as usize + 1);
         let mut surfels = Self {
             samples: points_O.iter().map(|&p_F| SurfaceSample { p_F, n_F: Vector3::zeros() }).collect(),
-            spacing_m: guess_m,
+            disc_m: guess_m,
             low,
             high,
             cell_m,
@@ -73,9 +75,7 @@ impl Surfels {
 
     /// Shows the samples of all cells whose largest offset from a cell is `ring`.
     fn visit_ring(&self, center: &[usize; 3], ring: usize, mut visit: impl FnMut(usize)) {
-        let range = |axis: usize| {
-            center[axis].saturating_sub(ring)..=(center[axis] + ring).min(self.counts[axis] - 1)
-        };
+        let range = |axis: usize| center[axis].saturating_sub(ring)..=(center[axis] + ring).min(self.counts[axis] - 1);
         for x in range(0) {
             for y in range(1) {
                 for z in range(2) {
@@ -122,7 +122,7 @@ impl Surfels {
             let outwards = sample.p_F - inside_O;
             normals.push(if normal.dot(&outwards) < 0.0 { -normal } else { normal });
         }
-        self.spacing_m = (spacing_sum / self.samples.len() as f64).max(1e-5);
+        self.disc_m = DISC_SPACINGS * (spacing_sum / self.samples.len() as f64).max(1e-5);
         self.samples.iter_mut().zip(normals).for_each(|(sample, n_F)| sample.n_F = n_F);
     }
 
@@ -163,9 +163,9 @@ impl Surfels {
         let height = offset.dot(&sample.n_F);
         let aside = (offset - sample.n_F * height).norm();
         // Over the disc its plane counts; beside it its rim.
-        let beyond = (aside - self.spacing_m).max(0.0);
+        let beyond = (aside - self.disc_m).max(0.0);
         let distance = (height * height + beyond * beyond).sqrt();
-        if height < 0.0 && beyond == 0.0 { -distance } else { distance }
+        if height < 0.0 && beyond <= -height { -distance } else { distance }
     }
 
     /// The foot of a point on the nearest disc; `None` far away.
@@ -174,7 +174,7 @@ impl Surfels {
         let offset = p_O - sample.p_F;
         let aside = offset - sample.n_F * offset.dot(&sample.n_F);
         let length = aside.norm();
-        let kept = if length > self.spacing_m { aside * (self.spacing_m / length) } else { aside };
+        let kept = if length > self.disc_m { aside * (self.disc_m / length) } else { aside };
         Some(SurfaceSample { p_F: sample.p_F + kept, n_F: sample.n_F })
     }
 }

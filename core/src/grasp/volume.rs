@@ -77,7 +77,8 @@ fn ray_length(points: &[Wrench], u: &Wrench) -> Option<f64> {
         }
         let amounts = applied(&inverse, u);
         let Some(entering) = best.1 else {
-            let is_real = basis.iter().zip(amounts.iter()).all(|(column, amount)| *column != ARTIFICIAL || *amount < 1e-9);
+            let is_real =
+                basis.iter().zip(amounts.iter()).all(|(column, amount)| *column != ARTIFICIAL || *amount < 1e-9);
             let sum = dot(&costs, &amounts);
             return (is_real && sum > 0.0).then(|| 1.0 / sum);
         };

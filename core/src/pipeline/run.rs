@@ -138,9 +138,10 @@ impl Pipeline {
         let (cell, grasps) = self.grasps.get(inputs.clone(), || {
             let cell = rank::workcell(scene, fits, &segments.clusters, dropped.is_some(), library)?;
             let Some(Ok(target)) = fits.fits.get(fits.target) else {
-                return Err(Refusal { message: "the object to grasp has no fit".into(), details: Vec::new() });
+                return Err(no_fit());
             };
-            let grasps = rank::grasp_candidates(&cell, target, &scene.grasp)?;
+            let points = &segments.clusters[fits.target];
+            let grasps = rank::grasp_candidates(&cell, scene, target, points, dropped.is_some(), library)?;
             Ok((cell, grasps))
         })?;
         if stage == Stage::Grasps {
@@ -152,7 +153,10 @@ impl Pipeline {
         }
 
         inputs.push(text(&scene.rank));
-        let ranked = self.rank.get(inputs.clone(), || rank::ranked(cell, grasps, scene, watch))?;
+        let ranked = self.rank.get(inputs.clone(), || {
+            let Some(Ok(target)) = fits.fits.get(fits.target) else { return Err(no_fit()) };
+            rank::ranked(cell, grasps, target, scene, watch)
+        })?;
         let accepted = ranked.iter().filter(|grasp| grasp.is_accepted()).count();
         if stage == Stage::Rank {
             return Ok(Output::Rank(RankOutput { grasps: ranked.clone(), accepted }));
@@ -165,6 +169,10 @@ impl Pipeline {
         })?;
         Ok(Output::Plan(Box::new(plan.clone())))
     }
+}
+
+fn no_fit() -> Refusal {
+    Refusal { message: "the object to grasp has no fit".into(), details: Vec::new() }
 }
 
 /// FNV-1a: tells two files of one name and length apart.
