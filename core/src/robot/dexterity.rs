@@ -88,6 +88,7 @@ impl Kernel for Sixteen<'_> {
     }
 }
 
+#[expect(clippy::needless_range_loop, reason = "k is the configuration in every array of a lane's arithmetic")]
 impl<const L: usize> Lanes<L> {
     fn new(columns: usize) -> Self {
         let zero = [0.0; L];

@@ -248,8 +248,8 @@ fn candidates() -> Vec<Grasp> {
         manipulability: (0..ik_count)
             .map(|i| m_g + 0.5 * m_g * ((i as f64 * 0.7).sin() + (i as f64 * 1.3).cos()) / 2.0)
             .collect(),
-        feasible: Vec::new(),
         rejected: vec![(Obstruction::JointLimit { joint: 6 }, 40), (elbow_meets_table(), 12)],
+        ..Situated::default()
     };
     (0..412_u32)
         .map(|i| {
