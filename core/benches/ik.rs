@@ -37,6 +37,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let [x, y, z, rotation @ ..] = pose.as_slice() else { return Err("a pose is too short".into()) };
         let matrix = Matrix3::from_row_slice(rotation);
         let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix));
+        // A matrix of few digits gives a quaternion that is as little off length 1.
+        let rotation = UnitQuaternion::from_quaternion(rotation.into_inner());
         let X_BH = Isometry3::from_parts(Translation3::new(*x, *y, *z), rotation);
         let mut timed = |angles: usize, times_us: &mut Vec<f64>| {
             let begin_ms = now_ms();

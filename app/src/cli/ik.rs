@@ -235,6 +235,8 @@ fn poses_from_json(text: &str) -> Result<Vec<Isometry3<f64>>, String> {
             return Err(format!("{place}: found a matrix that is {off:.1e} off a rotation, wanted a rotation"));
         }
         let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix));
+        // A matrix of few digits gives a quaternion that is as little off length 1.
+        let rotation = UnitQuaternion::from_quaternion(rotation.into_inner());
         Ok(Isometry3::from_parts(Translation3::new(*x, *y, *z), rotation))
     };
     rows.iter().enumerate().map(pose).collect()

@@ -8,6 +8,8 @@ use super::numeric::NumericArm;
 use super::{IkReject, IkSet, NotSrs, SrsArm};
 use crate::robot::{Arm, Chain, ChainError, JointKind, JointLimit, Robot};
 
+/// Arm angles tried for a first solution before the feasible arcs are asked, radians.
+const FIRST_ANGLES: [f64; 5] = [0.0, 1.3, -1.3, 2.5, -2.5];
 /// Arm angles whose reasons are counted when none is feasible.
 const REASON_ANGLES: usize = 36;
 /// Positions of each joint before an S-R-S arm, besides the present one.
@@ -172,7 +174,9 @@ impl ArmIk {
         let mut found = IkSet::default();
         match &self.kind {
             Kind::Srs(srs) => {
+                found.solutions.reserve(8 * arm_angles);
                 srs.sweep_into(X_BH, arm_angles, &mut found);
+                postures.values.reserve_exact(7 * found.solutions.len());
                 found.solutions.iter().for_each(|solution| postures.values.extend(solution.q));
                 postures.rejected = found.rejected;
             }
@@ -257,13 +261,22 @@ impl SrsArm {
     /// A solution, or the most frequent reason why there is none.
     fn first(&self, X_BH: &Isometry3<f64>) -> Result<[f64; 7], IkReject> {
         let mut found = IkSet::default();
-        self.solve_into(X_BH, 0.0, &mut found);
+        for arm_angle in FIRST_ANGLES {
+            self.solve_into(X_BH, arm_angle, &mut found);
+            // A pose out of reach is so at every arm angle.
+            if !found.solutions.is_empty() || self.reach_gap_m(X_BH) > 0.0 {
+                break;
+            }
+        }
         if found.solutions.is_empty() {
             // Then in the middle of the widest arc that the limits allow, which has one if there is any.
             let arcs = self.feasible_arcs(X_BH);
             match arcs.iter().max_by(|l, r| (l.to - l.from).total_cmp(&(r.to - r.from))) {
                 Some(widest) => self.solve_into(X_BH, 0.5 * (widest.from + widest.to), &mut found),
-                None => self.sweep_into(X_BH, REASON_ANGLES, &mut found),
+                None => {
+                    found.clear();
+                    self.sweep_into(X_BH, REASON_ANGLES, &mut found);
+                }
             }
         }
         found.solutions.first().map_or_else(|| Err(most_frequent(&found.rejected)), |solution| Ok(solution.q))
