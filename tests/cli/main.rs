@@ -338,3 +338,31 @@ fn objects_are_compared_with_and_without_mirroring() {
         assert!(ball["extent_error_max_m"].as_f64().unwrap() < 0.004, "{ball}");
     }
 }
+
+#[test]
+fn grasps_are_prioritized_on_one_robot() {
+    let cases = scratch("cases.csv");
+    let file = cases.to_string_lossy().into_owned();
+    let args = ["experiment", "prioritization", "--trials", "1", "--robot", "alita", "--json", "--cases", &file];
+    let rows = json(&args);
+    assert_eq!(rows.len(), 12);
+    for row in &rows {
+        assert_eq!((&row["robot"], &row["trials"]), (&Value::from("alita"), &Value::from(1)));
+        has_keys(row, &["condition", "metric", "success", "success_percent", "success_low_percent", "tried_mean"]);
+        has_keys(row, &["grasps_accepted_mean", "excluded", "excluded_path"]);
+        let is_the_thesis_s = matches!(row["metric"].as_str(), Some("goal" | "start" | "mean"));
+        assert_eq!(row.get("thesis_success").is_some(), is_the_thesis_s);
+    }
+    let cases = std::fs::read_to_string(&cases).unwrap();
+    assert!(cases.lines().count() > 12 && cases.starts_with("experiment,condition,robot,case,arm,object"), "{cases}");
+    for (args, wanted) in [
+        (vec!["experiment", "prioritization", "--robot", "hal"], "no robot \"hal\""),
+        (vec!["experiment", "prioritization", "--views", "."], "--views: experiment prioritization has no use"),
+        (vec!["experiment", "visibility", "--robot", "alita"], "--robot: experiment visibility has no use"),
+    ] {
+        let output = endcomfort(&args);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{args:?}: {said}");
+        assert!(said.contains(wanted), "{args:?}: {said} should say {wanted}");
+    }
+}

@@ -12,3 +12,5 @@ mod run;
 
 pub use perceive::synthetic_cloud;
 pub use run::Pipeline;
+
+pub(crate) use rank::{grasp_candidates, ranked, workcell};

@@ -20,7 +20,7 @@ use crate::watch::Watch;
 const HULL_HALF: u32 = 4;
 
 /// Robot, obstacles and the object of a request.
-pub(super) fn workcell(
+pub(crate) fn workcell(
     scene: &Scene,
     fits: &FitOutput,
     clusters: &[Vec<Point3<f64>>],
@@ -122,7 +122,7 @@ fn neighbour_name(scene: &Scene, X_WS: &Isometry3<f64>, index: usize, is_dropped
 }
 
 /// Candidates that the hand alone could take where the object stands.
-pub(super) fn grasp_candidates(cell: &Workcell, target: &Fit, settings: &GraspSettings) -> Result<Vec<Grasp>, Refusal> {
+pub(crate) fn grasp_candidates(cell: &Workcell, target: &Fit, settings: &GraspSettings) -> Result<Vec<Grasp>, Refusal> {
     let hand_checker = |fingers: &[f64]| HandChecker::new(&cell.model, &cell.world, &[], cell.arm_index, fingers);
     let open = hand_checker(&cell.hand.open).map_err(|error| refusal(&error))?;
     Ok(candidates(&cell.hand, &bodies_in_object(target), settings, &|X_OH, fingers| {
@@ -137,7 +137,7 @@ pub(super) fn grasp_candidates(cell: &Workcell, target: &Fit, settings: &GraspSe
 }
 
 /// Grasps with their IK sets at start and goal: accepted ones first, best first, then the rest in order of generation.
-pub(super) fn ranked(
+pub(crate) fn ranked(
     cell: &Workcell,
     grasps: &[Grasp],
     scene: &Scene,
