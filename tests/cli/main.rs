@@ -366,3 +366,44 @@ fn grasps_are_prioritized_on_one_robot() {
         assert!(said.contains(wanted), "{args:?}: {said} should say {wanted}");
     }
 }
+
+#[test]
+fn grasps_and_plans_are_made_with_a_hand_of_ones_own() {
+    let hand = |name: &str| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots/hands").join(name);
+        path.to_string_lossy().into_owned()
+    };
+    let args = ["grasps", "tomato_soup_can", "--robot", "alita", "--arm", "right", "--json"];
+    let own = json(&args);
+    let told = |name: &str| json(&[&args[..], &["--hand", &hand(name)]].concat());
+    let without_times = |rows: &[Value]| {
+        let strip = |row: &Value| {
+            let mut row = row.clone();
+            row.as_object_mut().unwrap().remove("elapsed_ms");
+            row
+        };
+        rows.iter().map(strip).collect::<Vec<_>>()
+    };
+    assert_eq!(without_times(&told("pg70.json")), without_times(&own), "the built-in hand, described");
+    let adaptive = told("adaptive.json");
+    assert!(adaptive.iter().filter(|row| row["status"] == "accepted").count() >= 10, "{adaptive:?}");
+    assert_ne!(without_times(&adaptive), without_times(&own));
+
+    // The same hand with its URDF in a file beside it, and one that is wrong.
+    let mut description: Value =
+        serde_json::from_str(&std::fs::read_to_string(hand("adaptive.json")).unwrap()).unwrap();
+    let lines: Vec<String> = serde_json::from_value(description["urdf"].clone()).unwrap();
+    let (file, urdf) = (scratch("hand.json"), scratch("hand.urdf"));
+    std::fs::write(&urdf, lines.join("\n")).unwrap();
+    description["urdf"] = urdf.file_name().unwrap().to_string_lossy().into_owned().into();
+    std::fs::write(&file, description.to_string()).unwrap();
+    let path = file.to_string_lossy().into_owned();
+    let plan = json(&["plan", "pick", "mustard", "--hand", &path, "--json"]);
+    assert!(!plan.is_empty());
+    description["palm_link"] = "hand".into();
+    std::fs::write(&file, description.to_string()).unwrap();
+    let output = endcomfort(&["grasps", "mustard", "--hand", &path]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(said.contains("hand.json: palm_link: the URDF has no link \"hand\"; it has adapter, palm"), "{said}");
+}

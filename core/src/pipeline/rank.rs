@@ -27,7 +27,7 @@ pub(crate) fn workcell(
     is_dropped: bool,
     library: &Library,
 ) -> Result<Workcell, Refusal> {
-    let robot = library.robot(&scene.robot).map_err(|error| refusal(&error))?;
+    let robot = library.robot_of(scene).map_err(|error| refusal(&error))?;
     let arm_name = scene.arm.name();
     let arm_index = robot
         .arms

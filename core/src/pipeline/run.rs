@@ -130,6 +130,7 @@ impl Pipeline {
             &scene.robot,
             scene.arm,
             scene.torso,
+            &scene.hand,
             &scene.posture,
             &scene.task,
             &scene.grasp,

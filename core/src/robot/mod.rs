@@ -1,6 +1,8 @@
 //! Robots: URDF + SRDF, kinematics, limits, hands, inverse kinematics.
 
 mod error;
+mod hand_attach;
+mod hand_description;
 pub mod ik;
 mod kinematics;
 mod mesh_file;
@@ -15,6 +17,7 @@ mod urdf;
 mod xml;
 
 pub use error::{MAX_LINKS, RobotError};
+pub use hand_description::{HAND_VERSION, HandDescription, HandError, HandFrame, Placement};
 pub use model::{
     Arm, CollisionBody, Geometry, Hand, Joint, JointKind, JointLimit, Link, Material, Mimic, Robot, Visual,
 };

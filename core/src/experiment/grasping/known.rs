@@ -106,6 +106,7 @@ pub(super) fn scene(robot: &str, arm: ArmChoice, object: &KnownObject, X_WO: Iso
         grasp: Default::default(),
         rank: Default::default(),
         torso: false,
+        hand: None,
     }
 }
 
