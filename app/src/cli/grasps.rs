@@ -1,5 +1,7 @@
 //! `grasps`: the ranked grasps of an object that stands on the robot's table.
 
+use std::path::PathBuf;
+
 use endcomfort_core::grasp::Grasp;
 use endcomfort_core::job::{Output, Request, Stage};
 use endcomfort_core::scene::{ArmChoice, PlacedObject, Scene, Task};
@@ -23,6 +25,9 @@ pub(super) struct Args {
     /// Goal of the object: x,y,z in metres, optionally followed by a rotation qx,qy,qz,qw.
     #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
     place: Option<Vec<f64>>,
+    /// A hand of your own at the acting arm: a hand description (.json).
+    #[arg(long)]
+    hand: Option<PathBuf>,
     /// Prints only the first N.
     #[arg(long)]
     top: Option<usize>,
@@ -36,6 +41,9 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
     };
     if let Some(arm) = args.arm {
         request.scene.arm = arm.into();
+    }
+    if let Some(file) = &args.hand {
+        request.scene.set_hand(input::hand(file)?);
     }
     if let Some(goal) = goal(args)? {
         request.scene.task = Task::PickAndPlace { object: request.scene.task.object(), X_WO_goal: goal };

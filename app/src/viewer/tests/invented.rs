@@ -49,6 +49,7 @@ pub(super) fn scene(name: &str, title: &str, summary: &str, robot: &str) -> Arc<
         grasp: GraspSettings::default(),
         rank: RankSettings::default(),
         torso: false,
+        hand: None,
     })
 }
 
