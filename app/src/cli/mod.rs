@@ -3,6 +3,7 @@
 mod check;
 mod experiment;
 mod fit;
+mod grasp_options;
 mod grasps;
 mod input;
 mod pictures;

@@ -3,6 +3,7 @@
 mod bodies;
 mod candidates;
 mod close;
+mod export;
 mod hand;
 mod obstruction;
 mod quality;
@@ -12,6 +13,7 @@ mod settings;
 mod situate;
 
 pub use candidates::{HandHit, HandHits, candidates};
+pub use export::{ExportFormat, GraspExport, StraightWays};
 pub use hand::HandModel;
 pub use obstruction::Obstruction;
 pub use quality::epsilon;
