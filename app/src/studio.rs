@@ -159,6 +159,7 @@ impl Standing {
                     Situation::Goal => grasp.goal.as_ref(),
                 };
                 let Some(arm) = robot.arm(input.scene.arm.name()) else { return at_start };
+                let arm = if input.scene.torso { robot.arm_with_torso(arm) } else { arm.clone() };
                 let Some(solution) = situated.and_then(|s| s.solutions.get(index)) else { return at_start };
                 let fingers = arm.hand.fingers.iter().flatten().zip(&grasp.closed);
                 let mut q = at_start.q;

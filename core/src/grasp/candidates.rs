@@ -246,7 +246,7 @@ mod tests {
         let model = CollisionModel::new(robot).unwrap();
         let mut world = World::new();
         for piece in bodies.iter().flat_map(|b| b.convex_pieces_in_axes(6).into_iter().map(move |p| (p, b.X_FS))) {
-            world.add_hull("object", &piece.0, &piece.1).unwrap();
+            world.add_points("object", &piece.0, &piece.1).unwrap();
         }
         let open = HandModel::new(robot, &robot.arms[0]).open;
         let checker = HandChecker::new(&model, &world, &[], 0, &open).unwrap();

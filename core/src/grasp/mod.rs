@@ -107,7 +107,8 @@ pub struct Situated {
     pub m_g: f64,
     /// N of (5.2): configurations that reach the grasp, within limits and without collision.
     pub ik_count: usize,
-    /// The IK set: seven arm joints each, radians, in order of arm angle and branch.
+    /// The IK set: one value per joint of the arm ([`crate::robot::Arm::dofs`]) each, radians, in order of arm angle
+    /// and branch.
     pub solutions: Vec<Vec<f64>>,
     /// Manipulability (5.1) of each solution.
     pub manipulability: Vec<f64>,

@@ -1,8 +1,10 @@
 //! From candidates to ranked grasps: each one situated at the start and at the goal.
 
+use std::sync::Arc;
+
 use nalgebra::{Isometry3, Point3};
 
-use crate::collision::{CollisionError, HandChecker, Scratch, World};
+use crate::collision::{CollisionError, ConvexHull, HandChecker, Scratch, World};
 use crate::fit::Fit;
 use crate::grasp::{
     Grasp, GraspSettings, GraspStatus, HandHit, HandModel, Obstruction, Reach, Situated, candidates, rank,
@@ -10,10 +12,10 @@ use crate::grasp::{
 use crate::job::{FitOutput, Refusal};
 use crate::library::Library;
 use crate::parallel;
-use crate::robot::ik::SrsArm;
+use crate::robot::ik::ArmIk;
 use crate::scene::Scene;
 use crate::superquadric::Superquadric;
-use crate::task::{Situation, Workcell, WorkcellError};
+use crate::task::{Situation, TARGET, Workcell, WorkcellError};
 use crate::watch::Watch;
 
 /// Resolution of the meshes whose corners make collision hulls: 32 columns, 16 rows.
@@ -40,9 +42,10 @@ pub(super) fn workcell(
             refusal(&WorkcellError::NoPosture { robot: robot.name.clone(), posture: scene.posture.clone() })
         })?
         .to_vec();
+    let robot = if scene.torso { Arc::new(robot.with_torso(arm_index)) } else { robot };
     let arm = &robot.arms[arm_index];
     let build = || -> Result<_, WorkcellError> {
-        let ik = SrsArm::of(&robot, arm)?;
+        let ik = ArmIk::of(&robot, arm)?;
         let model = crate::collision::CollisionModel::new(&robot)?;
         Ok((ik, model, obstacles(scene, fits, clusters, is_dropped)?))
     };
@@ -51,6 +54,9 @@ pub(super) fn workcell(
         return Err(Refusal { message: "the object to grasp has no fit".into(), details: Vec::new() });
     };
     let hand = HandModel::new(&robot, arm);
+    let bodies_O = bodies_in_object(target);
+    let hulls = bodies_O.iter().flat_map(pieces).map(|piece_O| ConvexHull::new(TARGET, &piece_O));
+    let target_O = hulls.collect::<Result<_, _>>().map_err(|error| refusal(&error))?;
     Ok(Workcell {
         model,
         arm_index,
@@ -58,7 +64,7 @@ pub(super) fn workcell(
         hand,
         q_start,
         world,
-        target_O: bodies_in_object(target).iter().flat_map(pieces).collect(),
+        target_O,
         X_WO_start: target.superquadric.X_FS,
         X_WO_goal: super::goal::goal_pose(scene, target, is_dropped),
         robot,
@@ -103,12 +109,12 @@ fn obstacles(
                 let X_WO = &fit.superquadric.X_FS;
                 let name = neighbour_name(scene, X_WO, index, is_dropped);
                 for piece_O in bodies_in_object(fit).iter().flat_map(pieces) {
-                    world.add_hull(&name, &piece_O, X_WO)?;
+                    world.add_points(&name, &piece_O, X_WO)?;
                 }
             }
             // Points that span no volume cannot be fitted either: there is nothing to hit.
             Err(_) => {
-                let _ = world.add_hull(&format!("cluster {index}"), &clusters[index], &Isometry3::identity());
+                let _ = world.add_points(&format!("cluster {index}"), &clusters[index], &Isometry3::identity());
             }
         }
     }

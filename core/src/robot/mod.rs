@@ -1,5 +1,6 @@
 //! Robots: URDF + SRDF, kinematics, limits, hands, inverse kinematics.
 
+mod chain;
 mod error;
 pub mod ik;
 mod kinematics;
@@ -14,6 +15,7 @@ mod tree;
 mod urdf;
 mod xml;
 
+pub use chain::{Chain, ChainError, ChainState};
 pub use error::{MAX_LINKS, RobotError};
 pub use model::{
     Arm, CollisionBody, Geometry, Hand, Joint, JointKind, JointLimit, Link, Material, Mimic, Robot, Visual,
