@@ -3,6 +3,7 @@
 mod bodies;
 mod candidates;
 mod close;
+mod export;
 mod hand;
 mod obstruction;
 mod quality;
@@ -16,6 +17,7 @@ mod volume;
 
 pub use bodies::Touched;
 pub use candidates::{HandHit, HandHits, candidates};
+pub use export::{ExportFormat, GraspExport, StraightWays};
 pub use hand::HandModel;
 pub use obstruction::Obstruction;
 pub use quality::epsilon;
