@@ -411,3 +411,133 @@ fn objects_are_compared_with_and_without_mirroring() {
         assert!(ball["extent_error_max_m"].as_f64().unwrap() < 0.004, "{ball}");
     }
 }
+
+#[test]
+fn grasps_are_prioritized_on_one_robot() {
+    let cases = scratch("cases.csv");
+    let file = cases.to_string_lossy().into_owned();
+    let args = ["experiment", "prioritization", "--trials", "1", "--robot", "alita", "--json", "--cases", &file];
+    let rows = json(&args);
+    assert_eq!(rows.len(), 12);
+    for row in &rows {
+        assert_eq!((&row["robot"], &row["trials"]), (&Value::from("alita"), &Value::from(1)));
+        has_keys(row, &["condition", "metric", "success", "success_percent", "success_low_percent", "tried_mean"]);
+        has_keys(row, &["grasps_accepted_mean", "excluded", "excluded_path"]);
+        let is_the_thesis_s = matches!(row["metric"].as_str(), Some("goal" | "start" | "mean"));
+        assert_eq!(row.get("thesis_success").is_some(), is_the_thesis_s);
+    }
+    let cases = std::fs::read_to_string(&cases).unwrap();
+    assert!(cases.lines().count() > 12 && cases.starts_with("experiment,condition,robot,case,arm,object"), "{cases}");
+    for (args, wanted) in [
+        (vec!["experiment", "prioritization", "--robot", "hal"], "no robot \"hal\""),
+        (vec!["experiment", "prioritization", "--views", "."], "--views: experiment prioritization has no use"),
+        (vec!["experiment", "visibility", "--robot", "alita"], "--robot: experiment visibility has no use"),
+    ] {
+        let output = endcomfort(&args);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{args:?}: {said}");
+        assert!(said.contains(wanted), "{args:?}: {said} should say {wanted}");
+    }
+}
+
+#[test]
+fn grasps_and_plans_are_made_with_a_hand_of_ones_own() {
+    let hand = |name: &str| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots/hands").join(name);
+        path.to_string_lossy().into_owned()
+    };
+    let args = ["grasps", "tomato_soup_can", "--robot", "alita", "--arm", "right", "--json"];
+    let own = json(&args);
+    let told = |name: &str| json(&[&args[..], &["--hand", &hand(name)]].concat());
+    let without_times = |rows: &[Value]| {
+        let strip = |row: &Value| {
+            let mut row = row.clone();
+            row.as_object_mut().unwrap().remove("elapsed_ms");
+            row
+        };
+        rows.iter().map(strip).collect::<Vec<_>>()
+    };
+    assert_eq!(without_times(&told("pg70.json")), without_times(&own), "the built-in hand, described");
+    let adaptive = told("adaptive.json");
+    assert!(adaptive.iter().filter(|row| row["status"] == "accepted").count() >= 10, "{adaptive:?}");
+    assert_ne!(without_times(&adaptive), without_times(&own));
+
+    // The same hand with its URDF in a file beside it, and one that is wrong.
+    let mut description: Value =
+        serde_json::from_str(&std::fs::read_to_string(hand("adaptive.json")).unwrap()).unwrap();
+    let lines: Vec<String> = serde_json::from_value(description["urdf"].clone()).unwrap();
+    let (file, urdf) = (scratch("hand.json"), scratch("hand.urdf"));
+    std::fs::write(&urdf, lines.join("\n")).unwrap();
+    description["urdf"] = urdf.file_name().unwrap().to_string_lossy().into_owned().into();
+    std::fs::write(&file, description.to_string()).unwrap();
+    let path = file.to_string_lossy().into_owned();
+    let plan = json(&["plan", "pick", "mustard", "--hand", &path, "--json"]);
+    assert!(!plan.is_empty());
+    description["palm_link"] = "hand".into();
+    std::fs::write(&file, description.to_string()).unwrap();
+    let output = endcomfort(&["grasps", "mustard", "--hand", &path]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(said.contains("hand.json: palm_link: the URDF has no link \"hand\"; it has adapter, palm"), "{said}");
+}
+
+#[test]
+fn grasp_options_reach_the_settings_and_the_rows_tell_every_quantity() {
+    let rows = json(&[
+        "grasps",
+        "coffee_jar",
+        "--robot",
+        "crichton",
+        "--arm",
+        "left",
+        "--density",
+        "8",
+        "--approach",
+        "0,0,-1",
+        "--approach-cone",
+        "25",
+        "--weights",
+        "m_g_start=1,epsilon=1",
+        "--arm-angles",
+        "12",
+        "--json",
+    ]);
+    has_keys(&rows[0], &["id", "part", "m_g_mean", "score", "gws_volume", "success_probability", "clearance_m"]);
+    let scores: Vec<f64> = rows.iter().filter(|r| r["rank"].is_u64()).map(|r| r["score"].as_f64().unwrap()).collect();
+    assert!(!scores.is_empty() && scores.windows(2).all(|pair| pair[0] >= pair[1]), "{scores:?}");
+    for row in rows.iter().filter(|row| row["rank"].is_u64()) {
+        // z of the hand in O; the object's own z may point down, so the angle is taken with the vertical alone.
+        let z = row["object_from_hand"][10].as_f64().unwrap();
+        assert!(z.abs() > 25_f64.to_radians().cos() - 0.05, "{row}");
+    }
+}
+
+#[test]
+fn ranked_grasps_are_written_in_three_formats() {
+    for (name, begins) in [("grasps.json", "[\n{"), ("grasps.csv", "rank,id,part,"), ("grasps.yaml", "# moveit_msgs")] {
+        let file = scratch(name);
+        let path = file.to_string_lossy().into_owned();
+        let output = endcomfort(&["grasps", "coffee_jar", "--density", "6", "--out", &path]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let text = std::fs::read_to_string(&file).unwrap();
+        assert!(text.starts_with(begins), "{name}: {}", &text[..80.min(text.len())]);
+    }
+    let written: Vec<Value> = serde_json::from_str(&std::fs::read_to_string(scratch("grasps.json")).unwrap()).unwrap();
+    assert!(written.len() > 3 && written[0]["rank"] == 1);
+}
+
+#[test]
+fn a_grasp_option_out_of_its_range_is_refused_with_place_found_and_wanted() {
+    for (args, said) in [
+        (["--density", "0"], "grasp.density: found 0.0, wanted from 1 to 80"),
+        (["--friction", "9"], "grasp.friction: found 9.0, wanted from 0.01 to 5"),
+        (["--approach", "0,0,0"], "grasp.filter.approach.axis_W: found 0.0, wanted a direction"),
+        (["--weights", "comfort=1"], "--weights: found \"comfort=1\", wanted one of m_g_goal"),
+        (["--out", "grasps.txt"], "wanted a name that ends in .json, .csv or .yaml"),
+    ] {
+        let output = endcomfort(&["grasps", "coffee_jar", args[0], args[1]]);
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(1) && error.contains(said), "{args:?}: {error}");
+    }
+    assert_eq!(endcomfort(&["grasps", "coffee_jar", "--rank-by", "luck"]).status.code(), Some(2));
+}

@@ -2,7 +2,9 @@
 
 mod check;
 mod experiment;
+mod experiment_grasps;
 mod fit;
+mod grasp_options;
 mod grasps;
 mod ik;
 mod input;
@@ -53,7 +55,7 @@ enum Command {
     Plan(plan::Args),
     /// Draws one picture without a window.
     Render(render::Args),
-    /// Measures the thesis's tables on fitting again.
+    /// Measures the thesis's tables again.
     Experiment(experiment::Args),
     /// Solves a file of hand poses for the joints of a robot's arm.
     Ik(ik::Args),

@@ -125,7 +125,7 @@ impl Judge<'_> {
             contacts: Vec::new(),
             width_m,
             epsilon: 0.0,
-            volume: 0.0,
+            volume: None,
             success: None,
             clearance_m: None,
             score: None,

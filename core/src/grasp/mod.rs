@@ -3,6 +3,7 @@
 mod bodies;
 mod candidates;
 mod close;
+mod export;
 mod hand;
 mod obstruction;
 mod quality;
@@ -16,6 +17,7 @@ mod volume;
 
 pub use bodies::Touched;
 pub use candidates::{HandHit, HandHits, candidates};
+pub use export::{ExportFormat, GraspExport, StraightWays};
 pub use hand::HandModel;
 pub use obstruction::Obstruction;
 pub use quality::epsilon;
@@ -50,9 +52,10 @@ pub struct Grasp {
     pub width_m: f64,
     /// Largest-ball quality of the grasp wrench space (Ferrari and Canny 1992); 0 without force closure.
     pub epsilon: f64,
-    /// Volume of the grasp wrench space in its six dimensions, forces and scaled torques without unit.
+    /// Volume of the grasp wrench space in its six dimensions, forces and scaled torques without unit; `None` while it
+    /// was not computed.
     #[serde(default)]
-    pub volume: f64,
+    pub volume: Option<f64>,
     /// How often it holds when the object is not quite where it was seen; `None` while that was not asked.
     #[serde(default)]
     pub success: Option<Success>,
@@ -98,6 +101,28 @@ pub struct Success {
     pub held: u32,
     /// Poses tried, at least 1.
     pub trials: u32,
+}
+
+/// What takes longer to tell of an accepted grasp than everything else.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Quality {
+    /// Number of the grasp.
+    pub id: u32,
+    /// See [`Grasp::success`].
+    pub success: Option<Success>,
+    /// See [`Grasp::volume`].
+    pub volume: f64,
+}
+
+impl Quality {
+    /// Writes qualities into the grasps that they belong to.
+    pub fn put_all(qualities: &[Self], grasps: &mut [Grasp]) {
+        for quality in qualities {
+            if let Some(grasp) = grasps.iter_mut().find(|grasp| grasp.id == quality.id) {
+                (grasp.success, grasp.volume) = (quality.success, Some(quality.volume));
+            }
+        }
+    }
 }
 
 impl Success {

@@ -9,7 +9,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use super::bodies::{Bodies, Touched};
 use super::candidates::is_opposed;
-use super::{Grasp, GraspSettings, HandModel, Success, close, epsilon, volume};
+use super::{Grasp, GraspSettings, HandModel, Quality, Success, close, epsilon, volume};
 use crate::rng::Rng;
 use crate::superquadric::Superquadric;
 
@@ -41,8 +41,13 @@ impl<'a> Trials<'a> {
         (trials > 0).then_some(Success { held: held as u32, trials })
     }
 
+    /// How often the grasp holds, and the volume of its wrench space.
+    pub fn quality(&self, grasp: &Grasp) -> Quality {
+        Quality { id: grasp.id, success: self.of(grasp), volume: self.volume(grasp) }
+    }
+
     /// Volume of the grasp's wrench space, as it was closed.
-    pub fn volume(&self, grasp: &Grasp) -> f64 {
+    fn volume(&self, grasp: &Grasp) -> f64 {
         if grasp.epsilon > 0.0 {
             volume(&grasp.contacts, self.settings.friction, &self.bodies.center_O, self.bodies.size_m)
         } else {

@@ -13,3 +13,5 @@ mod situate;
 
 pub use perceive::synthetic_cloud;
 pub use run::Pipeline;
+
+pub(crate) use rank::{grasp_candidates, ranked, workcell};

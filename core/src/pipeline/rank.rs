@@ -7,7 +7,10 @@ use nalgebra::{Isometry3, Point3};
 use super::situate::situate_all;
 use crate::collision::{ConvexHull, HandChecker, TriangleSurface, World};
 use crate::fit::Fit;
-use crate::grasp::{ContactSurface, Grasp, HandHit, HandModel, Surfels, Touched, Trials, candidates, rank};
+use crate::grasp::{
+    ContactSurface, Grasp, GraspSettings, HandHit, HandModel, Quality, RankBy, Surfels, Touched, Trials, candidates,
+    rank,
+};
 use crate::job::{FitOutput, Refusal};
 use crate::library::Library;
 use crate::parallel;
@@ -21,14 +24,14 @@ use crate::watch::Watch;
 const HULL_HALF: u32 = 4;
 
 /// Robot, obstacles and the object of a request.
-pub(super) fn workcell(
+pub(crate) fn workcell(
     scene: &Scene,
     fits: &FitOutput,
     clusters: &[Vec<Point3<f64>>],
     is_dropped: bool,
     library: &Library,
 ) -> Result<Workcell, Refusal> {
-    let robot = library.robot(&scene.robot).map_err(|error| refusal(&error))?;
+    let robot = library.robot_of(scene).map_err(|error| refusal(&error))?;
     let arm_name = scene.arm.name();
     let arm_index = robot
         .arms
@@ -127,7 +130,7 @@ fn neighbour_name(scene: &Scene, X_WS: &Isometry3<f64>, index: usize, is_dropped
 }
 
 /// What fingers close on, as the scene asks.
-fn touched(
+pub(super) fn touched(
     scene: &Scene,
     target: &Fit,
     points: &[Point3<f64>],
@@ -159,15 +162,12 @@ fn touched(
 }
 
 /// Candidates that the hand alone could take where the object stands.
-pub(super) fn grasp_candidates(
+pub(crate) fn grasp_candidates(
     cell: &Workcell,
-    scene: &Scene,
     target: &Fit,
-    points: &[Point3<f64>],
-    is_dropped: bool,
-    library: &Library,
+    touched: Touched,
+    settings: &GraspSettings,
 ) -> Result<Vec<Grasp>, Refusal> {
-    let touched = touched(scene, target, points, is_dropped, library)?;
     let hand_checker = |fingers: &[f64]| HandChecker::new(&cell.model, &cell.world, &[], cell.arm_index, fingers);
     let open = hand_checker(&cell.hand.open).map_err(|error| refusal(&error))?;
     let hand_hit = |X_OH: &Isometry3<f64>, fingers: &[f64]| {
@@ -179,11 +179,13 @@ pub(super) fn grasp_candidates(
         };
         hit.map(|hit| HandHit { link: hit.a, other: hit.b })
     };
-    Ok(candidates(&cell.hand, &bodies_in_object(target), touched, &scene.grasp, &cell.X_WO_start, &hand_hit))
+    Ok(candidates(&cell.hand, &bodies_in_object(target), touched, settings, &cell.X_WO_start, &hand_hit))
 }
 
 /// Grasps with their IK sets at start and goal: accepted ones first, best first, then the rest in order of generation.
-pub(super) fn ranked(
+///
+/// Qualities are filled in when the order depends on them; else [`qualities`] gives them afterwards.
+pub(crate) fn ranked(
     cell: &Workcell,
     grasps: &[Grasp],
     target: &Fit,
@@ -192,20 +194,28 @@ pub(super) fn ranked(
 ) -> Result<Vec<Grasp>, Refusal> {
     let situated = situate_all(cell, grasps, scene, &|| watch.should_stop());
     let mut judged = situated.map_err(|error| refusal(&error))?;
-    let bodies_O = bodies_in_object(target);
-    let trials = Trials::new(&cell.hand, &bodies_O, &scene.grasp, scene.seed);
-    let extras = parallel::map(&judged, |grasp| {
-        let is_wanted = grasp.is_accepted() && !watch.should_stop();
-        is_wanted.then(|| (trials.of(grasp), trials.volume(grasp)))
-    });
-    for (grasp, extras) in judged.iter_mut().zip(extras) {
-        if let Some((success, volume)) = extras {
-            (grasp.success, grasp.volume) = (success, volume);
-        }
+    if scene.rank.by == RankBy::Score {
+        let qualities = qualities(cell, &judged, target, scene, watch);
+        Quality::put_all(&qualities, &mut judged);
     }
     if watch.should_stop() {
         return Err(Refusal { message: "stopped".into(), details: Vec::new() });
     }
     rank(&mut judged, &scene.rank, scene.seed);
     Ok(judged)
+}
+
+/// What takes longer to tell of the accepted grasps: how often they hold, and the volume of their wrench space.
+pub(super) fn qualities(
+    cell: &Workcell,
+    grasps: &[Grasp],
+    target: &Fit,
+    scene: &Scene,
+    watch: Watch<'_>,
+) -> Vec<Quality> {
+    let bodies_O = bodies_in_object(target);
+    let trials = Trials::new(&cell.hand, &bodies_O, &scene.grasp, scene.seed);
+    let accepted: Vec<&Grasp> = grasps.iter().filter(|grasp| grasp.is_accepted()).collect();
+    let found = parallel::map(&accepted, |grasp| (!watch.should_stop()).then(|| trials.quality(grasp)));
+    found.into_iter().flatten().collect()
 }

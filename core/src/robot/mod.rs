@@ -3,6 +3,8 @@
 mod chain;
 mod dexterity;
 mod error;
+mod hand_attach;
+mod hand_description;
 pub mod ik;
 mod kinematics;
 mod mesh_file;
@@ -20,6 +22,7 @@ mod xml;
 pub use chain::{Chain, ChainError, ChainState};
 pub use dexterity::{Dexterity, Placed};
 pub use error::{MAX_LINKS, RobotError};
+pub use hand_description::{HAND_VERSION, HandDescription, HandError, HandFrame, Placement};
 pub use model::{
     Arm, CollisionBody, Geometry, Hand, Joint, JointKind, JointLimit, Link, Material, Mimic, Robot, Visual,
 };

@@ -2,12 +2,13 @@
 
 use egui::{Key, Modifiers, Theme};
 use egui_kittest::kittest::Queryable as _;
+use endcomfort_core::grasp::Quantity;
 use endcomfort_core::job::{Refusal, Stage, Update};
 use endcomfort_core::scene::Scene;
 
 use super::{invented, page};
-use crate::viewer::state::{Column, StageState, Step};
-use crate::viewer::{Command, Effect, Layer, Overlay, Posture, ViewerState};
+use crate::viewer::state::{StageState, Step};
+use crate::viewer::{Column, Command, Effect, Layer, Overlay, Posture, ViewerState};
 
 const SIZE: [f32; 2] = [1440.0, 900.0];
 
@@ -165,6 +166,27 @@ fn a_scene_file_is_opened_and_a_broken_one_is_refused_with_its_reason() {
 }
 
 #[test]
+fn a_hand_description_gives_the_acting_arm_another_hand_until_it_is_undone() {
+    let mut state = ranked();
+    let json = crate::assets::read("robots/hands/adaptive.json").unwrap().to_vec();
+    let open = |bytes: Vec<u8>| Command::OpenFile { name: "mine.json".to_owned(), bytes };
+    let effects = state.apply(open(json.clone()));
+    let asked_for = effects.iter().find_map(|effect| match effect {
+        Effect::Run(request) => request.scene.hand.clone(),
+        _ => None,
+    });
+    assert_eq!(asked_for.map(|hand| hand.name).as_deref(), Some("Two adaptive fingers"));
+    assert_eq!(state.scene().grasp.friction, 0.7, "the friction of its pads");
+    assert!(state.messages.iter().any(|message| !message.is_error && message.text.contains("Two adaptive fingers")));
+    let wrong = String::from_utf8(json).unwrap().replace("\"palm_link\": \"palm\"", "\"palm_link\": \"hand\"");
+    let effects = state.apply(open(wrong.into_bytes()));
+    let reason = "the URDF has no link \"hand\"";
+    assert!(matches!(effects.as_slice(), [Effect::Announce(sentence)] if sentence.contains(reason)), "{effects:?}");
+    let _run = state.apply(Command::Undo);
+    assert!(state.scene().hand.is_none() && state.scene().grasp.friction == 0.5);
+}
+
+#[test]
 fn cancel_stops_the_worker_and_leaves_the_old_results() {
     let mut state = ranked();
     let _run = state.apply(Command::SetSeed(5));
@@ -184,14 +206,14 @@ fn cancel_stops_the_worker_and_leaves_the_old_results() {
 fn the_table_sorts_by_a_column_and_turns_round_at_the_second_click() {
     let mut harness = page(ranked(), SIZE, Theme::Dark);
     harness.run_steps(1);
-    let name = "Sort by Largest-ball quality of the grasp";
+    let name = "Sort by Largest-ball quality ε";
     harness.get_by_label(name).click();
     harness.run_steps(2);
     let epsilons = |state: &ViewerState| -> Vec<f64> {
         let grasps = state.outputs.candidates();
         state.table_rows().into_iter().map(|row| grasps[row].epsilon).collect()
     };
-    assert_eq!(harness.state().state.table.sort, Column::Epsilon);
+    assert_eq!(harness.state().state.table.sort, Column::Of(Quantity::Epsilon));
     assert!(epsilons(&harness.state().state).is_sorted_by(|a, b| a >= b));
     harness.get_by_label(name).click();
     harness.run_steps(2);
@@ -266,10 +288,10 @@ fn escape_closes_the_gallery_and_a_card_opens_its_demo() {
 fn the_seed_field_runs_the_pipeline_with_the_number_that_was_typed() {
     let mut harness = page(ranked(), SIZE, Theme::Dark);
     harness.run_steps(1);
-    harness.get_by_role(egui::Role::TextInput).focus();
+    harness.get_by_role_and_label(egui::Role::TextInput, "seed").focus();
     harness.run_steps(1);
     harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    harness.get_by_role(egui::Role::TextInput).type_text("42");
+    harness.get_by_role_and_label(egui::Role::TextInput, "seed").type_text("42");
     harness.run_steps(1);
     harness.key_press(Key::Enter);
     harness.run_steps(2);
