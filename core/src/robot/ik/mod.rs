@@ -12,6 +12,7 @@ mod arcs;
 mod arm;
 mod ball;
 mod extract;
+mod led;
 mod numeric;
 mod outcome;
 mod solve;
@@ -19,7 +20,8 @@ mod solve;
 mod tests;
 
 pub use arcs::Arc;
-pub use arm::{ArmIk, EXTRA_SAMPLES, IkMethod, Postures};
+pub use arm::{ArmIk, IkMethod, Postures};
 pub use extract::{NotSrs, SrsArm};
+pub use led::EXTRA_SAMPLES;
 pub(crate) use outcome::Length;
 pub use outcome::{IkReject, IkSet, IkSolution};
