@@ -25,7 +25,8 @@ fn main() {
                     Output::Rank(r) => println!("{demo} rank {} {elapsed_ms:.1} ms", r.accepted),
                     Output::Fit(_) => println!("{demo} fit {elapsed_ms:.1}"),
                     Output::Plan(p) => println!("{demo} plan {elapsed_ms:.1} tried {:?}", p.failed_grasps),
-                    Output::Quality(q) => println!("{demo} quality {} {elapsed_ms:.1} ms", q.len()), _ => {}
+                    Output::Quality(q) => println!("{demo} quality {} {elapsed_ms:.1} ms", q.len()),
+                    _ => {}
                 }
             }
         });
