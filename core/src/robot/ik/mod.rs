@@ -8,6 +8,7 @@
 //! turned about the line from S to W. At each arm angle a hand pose has up to eight solutions. Arms of another
 //! kind are refused by [`SrsArm::of`] with the reason.
 
+mod arcs;
 mod arm;
 mod ball;
 mod extract;
@@ -17,6 +18,7 @@ mod solve;
 #[cfg(test)]
 mod tests;
 
+pub use arcs::Arc;
 pub use arm::{ArmIk, EXTRA_SAMPLES, IkMethod, Postures};
 pub use extract::{NotSrs, SrsArm};
 pub(crate) use outcome::Length;
