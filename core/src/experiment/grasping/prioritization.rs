@@ -40,16 +40,7 @@ pub fn run_prioritization(
     settings: &GraspExperimentSettings,
     watch: Watch<'_>,
 ) -> Result<PrioritizationOutcome, ExperimentRefusal> {
-    let nothing = |thing| Err(ExperimentRefusal::Nothing { experiment: GraspExperiment::Prioritization.name(), thing });
-    if settings.trials == Some(0) {
-        return nothing("trials");
-    }
-    if settings.objects.is_empty() {
-        return nothing("objects");
-    }
-    if settings.robots.is_empty() {
-        return nothing("robots");
-    }
+    settings.check(GraspExperiment::Prioritization)?;
     let work = || {
         let objects = known_objects(settings)?;
         let trials = |condition: Condition| settings.trials.unwrap_or(condition.thesis_trials());
