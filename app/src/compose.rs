@@ -1,21 +1,23 @@
 //! From the pipeline's results to a draw list: which bodies, points and lines show what the robot knows and does.
 
+mod grasps;
 mod lab;
 mod palette;
 
 use std::sync::Arc;
 
-use endcomfort_core::grasp::{Grasp, HandModel, Quantity};
+use endcomfort_core::grasp::{Grasp, GraspFilter, Quantity};
 use endcomfort_core::job::{FitOutput, SceneOutput, SegmentOutput};
 use endcomfort_core::mesh::Mesh;
 use endcomfort_core::robot::Robot;
 use endcomfort_core::scene::Scene;
 use endcomfort_core::superquadric::Superquadric;
 use endcomfort_core::task::{PhaseKind, Plan};
-use nalgebra::{Isometry3, Point3, Translation3, Vector3};
+use nalgebra::{Isometry3, Point3, Vector3};
 
-use crate::render::{ColorMap, Frame, LineDraw, MeshDraw, PointsDraw, Scale, Surface, Theme, shapes};
+use crate::render::{Frame, LineDraw, MeshDraw, PointsDraw, Surface, Theme, shapes};
 use crate::viewer::{Layer, Layers, Pick};
+pub use grasps::quantity_scale;
 pub use lab::LabContent;
 pub use palette::Palette;
 
@@ -48,6 +50,8 @@ pub struct Content<'a> {
     pub selected: Option<u32>,
     /// What the grasps' colours mean.
     pub colored_by: Quantity,
+    /// The filter whose cone and box are drawn.
+    pub filter: Option<&'a GraspFilter>,
     /// The fit under examination, if there is one.
     pub lab: Option<LabContent<'a>>,
     pub theme: Theme,
@@ -61,7 +65,7 @@ pub struct Composer {
     fits: Vec<(Superquadric, Arc<Mesh>)>,
     links: Option<(Arc<Robot>, Vec<Vec<Arc<Mesh>>>)>,
     cloud: Option<CloudCache>,
-    pin: Option<Arc<Mesh>>,
+    glyphs: Option<grasps::Glyphs>,
 }
 
 /// Address and number of the points, whether they are segmented, the cluster that is not seen, whether the others are
@@ -95,6 +99,7 @@ impl Composer {
             return frame;
         }
         self.add_grasps(&mut frame, input, &palette);
+        grasps::add_filter(&mut frame, input, &palette);
         // A plan for another robot or hand is still there until the new one comes.
         let is_its = |plan: &&Plan| plan.q_start.len() == input.robot.dof_count();
         if let Some(plan) = input.plan.filter(is_its).filter(|_| input.layers.opacity(Layer::Path) > 0.0) {
@@ -209,7 +214,11 @@ impl Composer {
             let is_target = cluster == fits.target;
             let X_WO = input.X_WO.filter(|_| is_target).unwrap_or(X_WS);
             let X_WO_goal = input.X_WO_goal.filter(|_| is_target && examined.is_none());
-            for body in fit.bodies() {
+            let is_composite = is_target && !fit.others.is_empty();
+            for (part, body) in fit.bodies().enumerate() {
+                let cluster = cluster as u32;
+                let pick =
+                    if is_composite { Pick::Part { cluster, part: part as u32 } } else { Pick::Cluster(cluster) };
                 let mesh = self.fit_mesh(body);
                 let X_OP = X_WS.inverse() * body.X_FS;
                 if input.layers.opacity(Layer::Fits) > 0.0 {
@@ -223,7 +232,7 @@ impl Composer {
                         X_WM: X_WO * X_OP,
                         color,
                         surface: Surface::Satin,
-                        pick_id: Pick::Cluster(cluster as u32).id(),
+                        pick_id: pick.id(),
                     });
                 }
                 if let Some(X_WO) = X_WO_goal.filter(|_| input.layers.opacity(Layer::Goal) > 0.0) {
@@ -234,72 +243,6 @@ impl Composer {
             }
         }
     }
-
-    fn add_grasps(&mut self, frame: &mut Frame, input: &Content<'_>, palette: &Palette) {
-        let Some(X_WO) = input.X_WO.or(input.X_WO_start) else { return };
-        let Some(arm) = input.robot.arm(input.scene.arm.name()) else { return };
-        let pin = self.pin.get_or_insert_with(|| Arc::new(pin())).clone();
-        let hand = HandModel::new(input.robot, arm);
-        let scale = quantity_scale(input.grasps, input.colored_by);
-        for grasp in input.grasps {
-            let accepted = grasp.is_accepted();
-            let opacity =
-                if accepted { input.layers.opacity(Layer::Grasps) } else { input.layers.opacity(Layer::Rejected) };
-            if opacity <= 0.0 {
-                continue;
-            }
-            let value = input.colored_by.of(grasp).filter(|_| accepted);
-            let mut color = value.map_or(palette.rejected, |value| scale.color(value));
-            color[3] *= opacity;
-            // The pin stands on the surface and points back along the approach.
-            let back = Translation3::new(0.0, 0.0, -hand.palm_depth_m().min(0.02));
-            frame.meshes.push(MeshDraw {
-                mesh: pin.clone(),
-                X_WM: X_WO * grasp.X_OH * back,
-                color,
-                surface: Surface::Unlit,
-                pick_id: Pick::Grasp(grasp.id).id(),
-            });
-        }
-        for (id, color) in [(input.hovered, palette.hovered_hand), (input.selected, palette.selected_hand)] {
-            let is_it = |g: &&Grasp| Some(g.id) == id && g.closed.len() == hand.open.len();
-            let Some(grasp) = input.grasps.iter().find(is_it) else { continue };
-            self.add_hand(frame, input, &hand, &(X_WO * grasp.X_OH), &grasp.closed, color);
-        }
-    }
-
-    fn add_hand(
-        &mut self,
-        frame: &mut Frame,
-        input: &Content<'_>,
-        hand: &HandModel,
-        X_WH: &Isometry3<f64>,
-        fingers: &[f64],
-        color: [f32; 4],
-    ) {
-        let meshes = self.link_meshes(input.robot);
-        for (link, X_HL) in hand.links.iter().zip(hand.link_poses(fingers)) {
-            let Some(index) = input.robot.links.iter().position(|l| l.name == link.name) else { continue };
-            for (visual, mesh) in input.robot.links[index].visuals.iter().zip(&meshes[index]) {
-                let X_WM = X_WH * X_HL * visual.X_LV;
-                frame.meshes.push(MeshDraw { mesh: mesh.clone(), X_WM, color, surface: Surface::Ghost, pick_id: 0 });
-            }
-        }
-    }
-}
-
-/// Colours of accepted grasps by one of their numbers.
-pub fn quantity_scale(grasps: &[Grasp], quantity: Quantity) -> Scale {
-    let accepted = grasps.iter().filter(|grasp| grasp.is_accepted());
-    Scale::covering(ColorMap::Viridis, accepted.filter_map(|grasp| quantity.of(grasp)))
-}
-
-/// A grasp as a pin: its foot at the origin, its stem and head along -z, where the hand comes from.
-fn pin() -> Mesh {
-    let (length_m, radius_m) = (0.05, 0.0011);
-    let mut pin = shapes::cylinder(radius_m, length_m).transformed(&Isometry3::translation(0.0, 0.0, -0.5 * length_m));
-    pin.append(&shapes::bead(4.0 * radius_m).transformed(&Isometry3::translation(0.0, 0.0, -length_m)));
-    pin
 }
 
 /// The way of the hand frame, phase by phase.

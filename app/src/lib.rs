@@ -9,6 +9,7 @@ pub mod assets;
 pub mod cli;
 pub mod clock;
 pub mod compose;
+pub mod export;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod figures;
 pub mod host;

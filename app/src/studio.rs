@@ -2,15 +2,17 @@
 
 use std::sync::Arc;
 
-use endcomfort_core::grasp::Quantity;
+use endcomfort_core::grasp::ExportFormat;
 use endcomfort_core::robot::Robot;
 use nalgebra::{Isometry3, Point3};
 
 use crate::assets;
 use crate::compose::{Composer, Content, LabContent, Palette, quantity_scale};
-use crate::render::{Bounds, Theme};
+use crate::export::export_grasps;
+use crate::render::{Bounds, Scale, Theme};
 use crate::viewer::{
-    ComposeInput, Demo, Label, Layer, Picture, Posture, RobotChoice, ScaleBar, Situation, Studio, Tone, objective_title,
+    ComposeInput, Demo, Document, Label, Layer, Outputs, Picture, Posture, RobotChoice, ScaleBar, Situation, Studio,
+    Tone, objective_title, unit_of,
 };
 
 /// Composes pictures from the robots and demos inside the program.
@@ -35,8 +37,16 @@ impl Studio for BuiltInStudio {
             name: name.into(),
             title: title.into(),
             posture: "table_ready".into(),
+            has_torso: assets::library().robot(name).is_ok_and(|robot| has_torso(&robot)),
         };
         vec![choice("crichton", "Crichton"), choice("alita", "Alita")]
+    }
+
+    fn export(&self, document: &Document, outputs: &Outputs, format: ExportFormat) -> Result<String, String> {
+        let (Some(found), true) = (outputs.grasps.as_deref(), outputs.is_ranked()) else {
+            return Err("they are not ranked yet".to_owned());
+        };
+        export_grasps(&document.scene, document.cloud.as_deref(), found, outputs.candidates(), format)
     }
 
     fn compose(&mut self, input: &ComposeInput<'_>) -> Picture {
@@ -67,7 +77,8 @@ impl Studio for BuiltInStudio {
             layers: input.layers,
             hovered: input.hover.grasp,
             selected: input.selection.grasp,
-            colored_by: input.scene.rank.by.quantity(has_goal).unwrap_or(Quantity::MgStart),
+            colored_by: input.colored_by(has_goal),
+            filter: input.grasping.filter.as_ref(),
             lab: lab_content(input),
             theme: if input.dark { Theme::Dark } else { Theme::Light },
         };
@@ -81,11 +92,12 @@ impl Studio for BuiltInStudio {
             let legend = Some(lab.legend(&Palette::of(content.theme)));
             return Picture { frame, labels: Vec::new(), scale, legend, bounds: lab.bounds() };
         }
-        let shows_grasps = input.layers.opacity(Layer::Grasps) > 0.0 && !content.grasps.is_empty();
-        let scale = (shows_grasps && outputs.rank.is_some()).then(|| ScaleBar {
-            title: content.colored_by.title().to_owned(),
-            unit: "",
-            scale: quantity_scale(grasps, content.colored_by),
+        let has_values = content.grasps.iter().any(|g| g.is_accepted() && content.colored_by.of(g).is_some());
+        let scale = (input.layers.opacity(Layer::Grasps) > 0.0 && has_values).then(|| {
+            let (unit, per_si) = unit_of(content.colored_by);
+            let scale = quantity_scale(grasps, content.colored_by);
+            let scale = Scale { min: per_si * scale.min, max: per_si * scale.max, ..scale };
+            ScaleBar { title: content.colored_by.title().to_owned(), unit, scale }
         });
         Picture { frame, labels: labels(input, &content), scale, legend: None, bounds: Some(workspace(input)) }
     }
@@ -147,6 +159,7 @@ impl Standing {
                     Situation::Goal => grasp.goal.as_ref(),
                 };
                 let Some(arm) = robot.arm(input.scene.arm.name()) else { return at_start };
+                let arm = if input.scene.torso { robot.arm_with_torso(arm) } else { arm.clone() };
                 let Some(solution) = situated.and_then(|s| s.solutions.get(index)) else { return at_start };
                 let fingers = arm.hand.fingers.iter().flatten().zip(&grasp.closed);
                 let mut q = at_start.q;
@@ -161,7 +174,7 @@ impl Standing {
 
 /// Names of what stands on the table, and of the goal.
 fn labels(input: &ComposeInput<'_>, content: &Content<'_>) -> Vec<Label> {
-    let mut labels = Vec::new();
+    let mut labels: Vec<Label> = rejected_label(content).into_iter().collect();
     let Some(fits) = content.fits else { return labels };
     for (cluster, fit) in fits.fits.iter().enumerate() {
         let Ok(fit) = fit else { continue };
@@ -175,6 +188,27 @@ fn labels(input: &ComposeInput<'_>, content: &Content<'_>) -> Vec<Label> {
         }
     }
     labels
+}
+
+/// Why the selected grasp was rejected, at its hand.
+fn rejected_label(content: &Content<'_>) -> Option<Label> {
+    let grasp = content.grasps.iter().find(|grasp| Some(grasp.id) == content.selected && !grasp.is_accepted())?;
+    let X_WH = content.X_WO.or(content.X_WO_start)? * grasp.X_OH;
+    Some(Label { p_W: X_WH.translation.vector.into(), text: grasp.status.reason(), tone: Tone::Rejected })
+}
+
+/// Whether a joint between the robot's base and its first arm can move.
+fn has_torso(robot: &Robot) -> bool {
+    let mut link = robot.arms.first().map_or(0, |arm| arm.base_link);
+    while link > 0 {
+        // Joint i moves link i + 1.
+        let joint = &robot.joints[link - 1];
+        if joint.dof.is_some() {
+            return true;
+        }
+        link = joint.parent;
+    }
+    false
 }
 
 fn top_of(fit: &endcomfort_core::fit::Fit, X_WS: &Isometry3<f64>) -> Point3<f64> {

@@ -407,3 +407,64 @@ fn grasps_and_plans_are_made_with_a_hand_of_ones_own() {
     assert_eq!(output.status.code(), Some(1));
     assert!(said.contains("hand.json: palm_link: the URDF has no link \"hand\"; it has adapter, palm"), "{said}");
 }
+
+#[test]
+fn grasp_options_reach_the_settings_and_the_rows_tell_every_quantity() {
+    let rows = json(&[
+        "grasps",
+        "coffee_jar",
+        "--robot",
+        "crichton",
+        "--arm",
+        "left",
+        "--density",
+        "8",
+        "--approach",
+        "0,0,-1",
+        "--approach-cone",
+        "25",
+        "--weights",
+        "m_g_start=1,epsilon=1",
+        "--arm-angles",
+        "12",
+        "--json",
+    ]);
+    has_keys(&rows[0], &["id", "part", "m_g_mean", "score", "gws_volume", "success_probability", "clearance_m"]);
+    let scores: Vec<f64> = rows.iter().filter(|r| r["rank"].is_u64()).map(|r| r["score"].as_f64().unwrap()).collect();
+    assert!(!scores.is_empty() && scores.windows(2).all(|pair| pair[0] >= pair[1]), "{scores:?}");
+    for row in rows.iter().filter(|row| row["rank"].is_u64()) {
+        // z of the hand in O; the object's own z may point down, so the angle is taken with the vertical alone.
+        let z = row["object_from_hand"][10].as_f64().unwrap();
+        assert!(z.abs() > 25_f64.to_radians().cos() - 0.05, "{row}");
+    }
+}
+
+#[test]
+fn ranked_grasps_are_written_in_three_formats() {
+    for (name, begins) in [("grasps.json", "[\n{"), ("grasps.csv", "rank,id,part,"), ("grasps.yaml", "# moveit_msgs")] {
+        let file = scratch(name);
+        let path = file.to_string_lossy().into_owned();
+        let output = endcomfort(&["grasps", "coffee_jar", "--density", "6", "--out", &path]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let text = std::fs::read_to_string(&file).unwrap();
+        assert!(text.starts_with(begins), "{name}: {}", &text[..80.min(text.len())]);
+    }
+    let written: Vec<Value> = serde_json::from_str(&std::fs::read_to_string(scratch("grasps.json")).unwrap()).unwrap();
+    assert!(written.len() > 3 && written[0]["rank"] == 1);
+}
+
+#[test]
+fn a_grasp_option_out_of_its_range_is_refused_with_place_found_and_wanted() {
+    for (args, said) in [
+        (["--density", "0"], "grasp.density: found 0.0, wanted from 1 to 80"),
+        (["--friction", "9"], "grasp.friction: found 9.0, wanted from 0.01 to 5"),
+        (["--approach", "0,0,0"], "grasp.filter.approach.axis_W: found 0.0, wanted a direction"),
+        (["--weights", "comfort=1"], "--weights: found \"comfort=1\", wanted one of m_g_goal"),
+        (["--out", "grasps.txt"], "wanted a name that ends in .json, .csv or .yaml"),
+    ] {
+        let output = endcomfort(&["grasps", "coffee_jar", args[0], args[1]]);
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(1) && error.contains(said), "{args:?}: {error}");
+    }
+    assert_eq!(endcomfort(&["grasps", "coffee_jar", "--rank-by", "luck"]).status.code(), Some(2));
+}

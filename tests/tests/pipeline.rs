@@ -74,6 +74,34 @@ fn every_demo_is_planned_and_stays_free_when_walked_again_at_four_times_the_dens
 }
 
 #[test]
+fn a_torso_that_may_move_is_planned_with_the_arm_and_stays_free_when_walked_again() {
+    let base = assets::demo("jar").unwrap();
+    let mut ranked = Vec::new();
+    for torso in [false, true] {
+        let mut pipeline = Pipeline::new(assets::library());
+        let (outputs, refused) = run(&mut pipeline, &request(Scene { torso, ..base.clone() }));
+        assert_eq!(refused, None);
+        ranked.push(
+            outputs
+                .iter()
+                .find_map(|output| if let Output::Rank(rank) = output { Some(rank.accepted) } else { None })
+                .unwrap(),
+        );
+        let plan = plan_of(outputs).unwrap();
+        check_phases(&plan, &PICK_AND_PLACE);
+        let cell = pipeline.workcell().unwrap();
+        assert_eq!(cell.rewalk(&plan, DENSITY).unwrap(), None);
+        let first = &cell.robot.joints[cell.robot.dof_joints[plan.dofs[0]]].name;
+        assert_eq!(first, if torso { "torso_joint" } else { "right_joint_1" });
+        let solutions = &plan.grasp.start.as_ref().unwrap().solutions;
+        assert!(solutions.iter().all(|q| q.len() == 7 + usize::from(torso)));
+        let turned = |phase: &Phase| phase.trajectory.positions.iter().any(|q| (q[0] - plan.q_start[0]).abs() > 0.01);
+        assert!(!torso || plan.phases.iter().any(turned), "the torso may move, and does");
+    }
+    assert!(ranked[1] >= ranked[0], "a torso takes no grasp away: {ranked:?}");
+}
+
+#[test]
 fn the_object_ends_where_the_task_wants_it() {
     for name in assets::DEMOS {
         let scene = assets::demo(name).unwrap();

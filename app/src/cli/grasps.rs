@@ -2,14 +2,16 @@
 
 use std::path::PathBuf;
 
-use endcomfort_core::grasp::Grasp;
-use endcomfort_core::job::{Output, Request, Stage};
+use endcomfort_core::grasp::{ExportFormat, Grasp, Quantity};
+use endcomfort_core::job::{GraspsOutput, Output, RankOutput, Request, Stage};
 use endcomfort_core::scene::{ArmChoice, PlacedObject, Scene, Task};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use serde_json::json;
 
+use super::grasp_options::Options;
 use super::{ArmName, Common, Failure, input};
 use crate::clock::stopwatch;
+use crate::export::export_grasps;
 use crate::{assets, jobs};
 
 #[derive(clap::Args)]
@@ -31,6 +33,14 @@ pub(super) struct Args {
     /// Prints only the first N.
     #[arg(long)]
     top: Option<usize>,
+    /// Leaves the rejected candidates out.
+    #[arg(long)]
+    accepted: bool,
+    /// Writes the grasps to a file: .json with everything, .csv as a table, .yaml as MoveIt messages.
+    #[arg(long)]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    options: Options,
 }
 
 pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
@@ -48,14 +58,30 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
     if let Some(goal) = goal(args)? {
         request.scene.task = Task::PickAndPlace { object: request.scene.task.object(), X_WO_goal: goal };
     }
+    request.scene = args.options.apply(request.scene)?;
+    let format = args.out.as_ref().map(|path| {
+        ExportFormat::of_file(&path.to_string_lossy()).ok_or_else(|| {
+            Failure::new(format!("--out: found {:?}, wanted a name that ends in .json, .csv or .yaml", path.display()))
+        })
+    });
+    let format = format.transpose()?;
     let stopwatch = stopwatch();
     let results = jobs::run_until(&request, Stage::Rank)?;
     let elapsed_ms = stopwatch();
-    let Some(Output::Rank(ranked)) = results.into_iter().find(|output| matches!(output, Output::Rank(_))) else {
+    let (mut found, mut ranked) = (None, None);
+    for result in results {
+        match result {
+            Output::Grasps(output) => found = Some(output),
+            Output::Rank(output) => ranked = Some(output),
+            _ => {}
+        }
+    }
+    let (Some(found), Some(ranked)) = (found, ranked) else {
         return Err(Failure::new("the pipeline ended without a ranking"));
     };
-    let shown = args.top.unwrap_or(ranked.grasps.len());
-    for (index, grasp) in ranked.grasps.iter().enumerate().take(shown) {
+    let listed = if args.accepted { ranked.accepted } else { ranked.grasps.len() };
+    let listed = listed.min(args.top.unwrap_or(usize::MAX));
+    for (index, grasp) in ranked.grasps.iter().enumerate().take(listed) {
         let rank = (index < ranked.accepted).then_some(index + 1);
         if common.json {
             println!("{}", grasp_json(rank, grasp, elapsed_ms));
@@ -64,7 +90,25 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
         }
     }
     eprintln!("{} of {} grasps accepted in {elapsed_ms:.0} ms", ranked.accepted, ranked.grasps.len());
+    if let (Some(path), Some(format)) = (&args.out, format) {
+        write(path, &request, &found, &ranked, listed, format)?;
+        eprintln!("written to {}", path.display());
+    }
     Ok(())
+}
+
+/// Writes the listed grasps to a file.
+fn write(
+    path: &std::path::Path,
+    request: &Request,
+    found: &GraspsOutput,
+    ranked: &RankOutput,
+    listed: usize,
+    format: ExportFormat,
+) -> Result<(), Failure> {
+    let grasps = &ranked.grasps[..listed];
+    let text = export_grasps(&request.scene, request.cloud.as_ref(), found, grasps, format).map_err(Failure::new)?;
+    std::fs::write(path, text).map_err(|error| Failure::new(format!("{}: {error}", path.display())))
 }
 
 /// The object alone on the table, in front of the arm that shall grasp it.
@@ -115,6 +159,9 @@ fn grasp_json(rank: Option<usize>, grasp: &Grasp, elapsed_ms: f64) -> serde_json
         "ik_count_goal": grasp.goal.as_ref().map_or(0, |s| s.ik_count),
         "contacts": grasp.contacts.len(), "epsilon": grasp.epsilon, "width_m": grasp.width_m,
         "status": grasp.status.name(), "reason": grasp.status.reason(), "elapsed_ms": elapsed_ms,
+        "id": grasp.id, "part": grasp.part, "m_g_mean": Quantity::MgMean.of(grasp),
+        "score": Quantity::Score.of(grasp), "gws_volume": Quantity::Volume.of(grasp),
+        "success_probability": Quantity::Success.of(grasp), "clearance_m": grasp.clearance_m,
     })
 }
 

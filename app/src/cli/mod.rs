@@ -4,6 +4,7 @@ mod check;
 mod experiment;
 mod experiment_grasps;
 mod fit;
+mod grasp_options;
 mod grasps;
 mod input;
 mod pictures;

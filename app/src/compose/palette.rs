@@ -29,6 +29,14 @@ pub struct Palette {
     pub rejected: [f32; 4],
     pub hovered_hand: [f32; 4],
     pub selected_hand: [f32; 4],
+    /// The hand of a selected grasp that was rejected.
+    pub rejected_hand: [f32; 4],
+    /// An accepted grasp without the number that colours the others.
+    pub unknown: [f32; 4],
+    /// Contacts and friction cones.
+    pub contact: [f32; 4],
+    /// What a filter lets pass.
+    pub filter: [f32; 4],
     pub reach: [f32; 4],
     pub transport: [f32; 4],
     pub retreat: [f32; 4],
@@ -65,6 +73,10 @@ impl Palette {
                 rejected: rgba(0xee6a5c, 0.8),
                 hovered_hand: rgba(0xe7eaed, 0.55),
                 selected_hand: rgba(0xb08cff, 0.6),
+                rejected_hand: rgba(0xee6a5c, 0.6),
+                unknown: rgb(0x8a96a3),
+                contact: rgb(0xfff3d6),
+                filter: rgb(0x6ca9ff),
                 reach: rgb(0x6ca9ff),
                 transport: rgb(0xf0b34a),
                 retreat: rgb(0x8a96a3),
@@ -88,6 +100,10 @@ impl Palette {
                 rejected: rgba(0xd2483a, 0.8),
                 hovered_hand: rgba(0x1d2329, 0.45),
                 selected_hand: rgba(0x7d56d6, 0.55),
+                rejected_hand: rgba(0xd2483a, 0.55),
+                unknown: rgb(0x9aa4ad),
+                contact: rgb(0x23201a),
+                filter: rgb(0x2f74d8),
                 reach: rgb(0x2f74d8),
                 transport: rgb(0xc98208),
                 retreat: rgb(0x69737d),

@@ -4,6 +4,7 @@ mod fit_pair;
 
 use std::sync::Arc;
 
+use endcomfort_core::grasp::Quantity;
 use endcomfort_core::job::Output;
 use endcomfort_core::robot::Robot;
 use endcomfort_core::scene::Scene;
@@ -58,7 +59,8 @@ impl Picture<'_> {
             layers: &Layers::default(),
             hovered: None,
             selected: None,
-            colored_by: endcomfort_core::grasp::Quantity::MgStart,
+            colored_by: Quantity::MgStart,
+            filter: None,
             lab: None,
             theme: settings.theme,
         };
@@ -70,13 +72,15 @@ impl Picture<'_> {
                 Output::Grasps(value) => {
                     (content.X_WO_start, content.X_WO_goal) = (Some(value.X_WO_start), value.X_WO_goal);
                     content.grasps = &value.grasps;
+                    let quantity = self.scene.rank.by.quantity(value.X_WO_goal.is_some());
+                    content.colored_by = quantity.unwrap_or(Quantity::MgStart);
                 }
                 Output::Rank(value) => {
                     content.grasps = &value.grasps;
                     content.selected = value.grasps.first().filter(|g| g.is_accepted()).map(|g| g.id);
                 }
                 Output::Plan(value) => content.plan = Some(value),
-                Output::Objective(_) => {}
+                Output::Objective(_) | Output::Quality(_) => {}
             }
         }
         let resting = self.robot.posture(&self.scene.posture);

@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use egui::{ColorImage, Context, Ui};
+use endcomfort_core::grasp::ExportFormat;
 
 use super::state::Step;
 use super::view3d::View3d;
@@ -173,6 +174,7 @@ impl App {
                     ThemeChoice::Light => egui::ThemePreference::Light,
                 }),
                 Effect::Screenshot => self.ask_for_screenshot(ctx),
+                Effect::Export(format) => self.export(format),
             }
         }
     }
@@ -197,6 +199,19 @@ impl App {
                 let text = format!("{} files were dropped; only the first one was opened.", dropped.len());
                 self.state.say(false, text, Vec::new());
             }
+        }
+    }
+
+    /// Hands the ranked grasps to the person as a file.
+    fn export(&mut self, format: ExportFormat) {
+        match self.studio.export(&self.state.document, &self.state.outputs, format) {
+            Ok(text) => {
+                let name = format!("endcomfort-{}-grasps.{}", self.state.scene().name, format.extension());
+                let sentence = self.host.save(&name, text.as_bytes());
+                self.host.announce(&sentence);
+                self.state.say(false, sentence, Vec::new());
+            }
+            Err(reason) => self.state.say(true, format!("The grasps could not be exported: {reason}."), Vec::new()),
         }
     }
 

@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
+use endcomfort_core::grasp::ExportFormat;
 use endcomfort_core::job::{DroppedCloud, Request, Stage};
 use endcomfort_core::robot::HandDescription;
 use endcomfort_core::scene::{ArmChoice, SCENE_VERSION, Scene};
 
-use super::state::{Column, IkChoice, Side, StageState, Standing, Step, ThemeChoice};
-use super::{Document, LabCommand, Layer, Overlay, Playback, ViewerState};
+use super::state::{IkChoice, Side, StageState, Standing, Step, ThemeChoice};
+use super::{Document, GraspCommand, LabCommand, Layer, Overlay, Playback, ViewerState};
 
 /// Something a person does.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +27,8 @@ pub enum Command {
     SetSeed(u64),
     /// Examines a fit, or asks for another one.
     Lab(LabCommand),
+    /// Examines grasps, or asks for others.
+    Grasping(GraspCommand),
     /// Grasps another cluster.
     GraspCluster(usize),
     /// Plans with this grasp, `None` with the first that works.
@@ -52,10 +55,6 @@ pub enum Command {
     HoverCluster(Option<usize>),
     /// Shows a solution of the selected grasp's IK set; `None` goes back to the plan.
     ShowIk(Option<IkChoice>),
-    /// Sorts the table by a column; once more turns the order round.
-    SortBy(Column),
-    /// Whether rejected candidates are listed.
-    ShowRejected(bool),
     /// Starts or stops the playing.
     SetPlaying(bool),
     /// Goes to a time, seconds.
@@ -112,6 +111,8 @@ pub enum Effect {
     Look(NamedView),
     /// Save a picture of the view.
     Screenshot,
+    /// Save the ranked grasps.
+    Export(ExportFormat),
     /// Change the theme.
     Theme(ThemeChoice),
     /// Say this to assistive technology.
@@ -141,6 +142,7 @@ impl ViewerState {
             Command::SetArm(arm) => return self.edit_scene(|scene| scene.arm = arm),
             Command::SetSeed(seed) => return self.edit_scene(|scene| scene.seed = seed),
             Command::Lab(command) => return self.apply_lab(command),
+            Command::Grasping(command) => return self.apply_grasping(command),
             Command::GraspCluster(cluster) => {
                 return self.edit(|document| {
                     document.cluster = Some(cluster);
@@ -169,6 +171,7 @@ impl ViewerState {
             }
             Command::SelectStep(step) => {
                 self.selection.step = step;
+                self.grasping.draws_region = false;
                 self.lab.is_open = step == Step::Stage(Stage::Fit);
                 self.lab.points_out_rejected = false;
                 if self.lab.is_open {
@@ -194,11 +197,6 @@ impl ViewerState {
                 self.selection.ik = ik;
                 self.playback.playing &= ik.is_none();
             }
-            Command::SortBy(column) => {
-                self.table.reversed = self.table.sort == column && !self.table.reversed;
-                self.table.sort = column;
-            }
-            Command::ShowRejected(rejected) => self.table.rejected = rejected,
             Command::SetPlaying(true) => {
                 let duration_s = self.duration_s();
                 self.playback.play(duration_s);
@@ -249,14 +247,13 @@ impl ViewerState {
         self.playback.advance(dt_s, duration_s);
     }
 
-    /// The request for the present document; the cloud and its clusters are not asked for again.
+    /// The request for the present document; results that stand already are not asked for again.
     pub fn run(&mut self) -> Vec<Effect> {
         self.running = true;
         self.forget_drag();
         let mut request = self.document.request(self.revision);
-        if self.has_current_clusters() {
-            request.first = Stage::Fit;
-        }
+        let missing = |stage: &Stage| self.outputs.revision(*stage) != Some(self.revision);
+        request.first = Stage::ALL.into_iter().find(missing).unwrap_or(Stage::Plan);
         vec![Effect::Run(Box::new(request))]
     }
 
@@ -353,7 +350,7 @@ impl ViewerState {
         self.run()
     }
 
-    fn edit_scene(&mut self, change: impl FnOnce(&mut Scene)) -> Vec<Effect> {
+    pub(super) fn edit_scene(&mut self, change: impl FnOnce(&mut Scene)) -> Vec<Effect> {
         let seed = self.document.scene.seed;
         self.edit(|document| {
             change(Arc::make_mut(&mut document.scene));
@@ -397,7 +394,7 @@ impl ViewerState {
         }
     }
 
-    fn select_grasp(&mut self, id: u32) {
+    pub(super) fn select_grasp(&mut self, id: u32) {
         if self.outputs.candidate(id).is_none() {
             return;
         }
@@ -410,18 +407,10 @@ impl ViewerState {
         }
     }
 
-    fn move_selection(&mut self, by: isize) {
-        let rows = self.table_rows();
-        let grasps = self.outputs.candidates();
-        let present = rows.iter().position(|&row| Some(grasps[row].id) == self.selection.grasp);
-        let next = present.map_or(0, |row| row.saturating_add_signed(by)).min(rows.len().saturating_sub(1));
-        if let Some(id) = rows.get(next).map(|&row| grasps[row].id) {
-            self.select_grasp(id);
-        }
-    }
-
     fn escape(&mut self) {
-        if self.overlay != Overlay::None {
+        if self.grasping.draws_region {
+            self.grasping.draws_region = false;
+        } else if self.overlay != Overlay::None {
             self.overlay = Overlay::None;
         } else if self.drawer.is_some() {
             self.drawer = None;

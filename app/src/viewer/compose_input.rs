@@ -1,14 +1,15 @@
 //! What the 3D picture is made from, and what it consists of.
 
 use endcomfort_core::fit::Fit;
+use endcomfort_core::grasp::Quantity;
 use endcomfort_core::scene::Scene;
 use nalgebra::Point3;
 
-use super::{Document, Hover, LabKey, Layers, Outputs, Selection, Situation};
+use super::{Document, GraspingKey, Hover, LabKey, Layers, Outputs, Selection, Situation};
 use crate::render::{Bounds, Frame, Scale};
 
 /// Everything that the picture depends on; two equal inputs (see [`ViewKey`]) give the same picture.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub struct ComposeInput<'a> {
     /// The scene.
     pub scene: &'a Scene,
@@ -26,12 +27,22 @@ pub struct ComposeInput<'a> {
     pub layers: &'a Layers,
     /// How the robot stands.
     pub posture: Posture,
+    /// How grasps are examined.
+    pub grasping: GraspingKey,
     /// The fit under examination; `None` while the robot is at work.
     pub lab: Option<LabKey>,
     /// A fit of another objective, to be drawn over the examined one.
     pub trial: Option<&'a Fit>,
     /// Whether the theme is dark.
     pub dark: bool,
+}
+
+impl ComposeInput<'_> {
+    /// What the grasps' colours mean.
+    pub fn colored_by(&self, has_goal: bool) -> Quantity {
+        let ranking = || self.scene.rank.by.quantity(has_goal);
+        self.grasping.colored_by.or_else(ranking).unwrap_or(Quantity::MgStart)
+    }
 }
 
 /// How the robot stands in the picture.
@@ -64,6 +75,7 @@ pub struct ViewKey {
     pub(super) hover: Hover,
     pub(super) layers: Layers,
     pub(super) posture: Posture,
+    pub(super) grasping: GraspingKey,
     pub(super) lab: Option<LabKey>,
     pub(super) dark: bool,
 }

@@ -38,17 +38,30 @@ impl Document {
         }
     }
 
-    /// The first stage whose answer may differ between two documents.
+    /// The first stage whose answer may differ between two documents; for equal ones the last stage.
     pub(super) fn first_difference(&self, other: &Self) -> Stage {
-        let (mut mine, mut others) = (self.clone(), other.clone());
-        for document in [&mut mine, &mut others] {
-            document.shape = None;
-            document.grasp = None;
+        // What a stage takes from the document beyond what the stages before it take, last stage first: with that made
+        // equal, the difference is in this stage or later ones.
+        let mut theirs = other.clone();
+        theirs.grasp = self.grasp;
+        if theirs == *self {
+            return Stage::Plan;
         }
-        if mine.scene.fit != others.scene.fit {
-            Arc::make_mut(&mut mine.scene).fit = others.scene.fit.clone();
+        let scene = Arc::make_mut(&mut theirs.scene);
+        scene.rank = self.scene.rank.clone();
+        if theirs == *self {
+            return Stage::Rank;
         }
-        if mine == others { Stage::Fit } else { Stage::Scene }
+        let scene = Arc::make_mut(&mut theirs.scene);
+        scene.grasp = self.scene.grasp.clone();
+        (scene.robot, scene.posture) = (self.scene.robot.clone(), self.scene.posture.clone());
+        (scene.arm, scene.torso) = (self.scene.arm, self.scene.torso);
+        if theirs == *self {
+            return Stage::Grasps;
+        }
+        theirs.shape = self.shape;
+        Arc::make_mut(&mut theirs.scene).fit = self.scene.fit.clone();
+        if theirs == *self { Stage::Fit } else { Stage::Scene }
     }
 }
 
@@ -100,5 +113,35 @@ impl History {
 
     pub(super) fn can_redo(&self) -> bool {
         !self.future.is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use endcomfort_core::grasp::RankBy;
+
+    use super::*;
+    use crate::assets;
+
+    #[test]
+    fn an_edit_reaches_no_stage_before_the_one_that_it_is_about() {
+        let document = Document::new(Arc::new(assets::demo("jar").expect("the demo is there")));
+        let edited = |edit: &dyn Fn(&mut Scene)| {
+            let mut other = document.clone();
+            edit(Arc::make_mut(&mut other.scene));
+            document.first_difference(&other)
+        };
+        assert_eq!(edited(&|_| {}), Stage::Plan);
+        assert_eq!(edited(&|scene| scene.rank.by = RankBy::Mean), Stage::Rank);
+        assert_eq!(edited(&|scene| scene.grasp.friction = 0.9), Stage::Grasps);
+        assert_eq!(edited(&|scene| scene.torso = true), Stage::Grasps);
+        assert_eq!(edited(&|scene| scene.robot = "alita".to_owned()), Stage::Grasps);
+        assert_eq!(edited(&|scene| scene.fit.voxel_m = 0.01), Stage::Fit);
+        assert_eq!(edited(&|scene| scene.seed += 1), Stage::Scene);
+        let both = edited(&|scene| {
+            scene.rank.by = RankBy::Mean;
+            scene.fit.voxel_m = 0.01;
+        });
+        assert_eq!(both, Stage::Fit);
     }
 }

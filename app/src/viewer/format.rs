@@ -1,6 +1,6 @@
 //! Numbers and words as a person reads them: three significant digits, a unit beside every number.
 
-use endcomfort_core::grasp::Grasp;
+use endcomfort_core::grasp::{Grasp, GraspStatus};
 use nalgebra::Isometry3;
 
 /// Three significant digits; whole numbers from 1000 on, in groups of three.
@@ -132,6 +132,24 @@ pub(super) fn approach(X_WH: &Isometry3<f64>) -> String {
         0 => side.to_owned(),
         1.. => format!("{side}, {tens}° down"),
         _ => format!("{side}, {}° up", -tens),
+    }
+}
+
+/// The fate of a candidate in a few words.
+pub(super) fn status_words(status: &GraspStatus) -> &'static str {
+    match status {
+        GraspStatus::Accepted => "Accepted",
+        GraspStatus::TooWide { .. } => "Too wide for the hand",
+        GraspStatus::HandInObject { .. } => "Hand inside the object",
+        GraspStatus::TooFewContacts { .. } => "Too few contacts",
+        GraspStatus::OneSided { .. } => "Touches one side only",
+        GraspStatus::HitsTable { .. } => "Hits the table",
+        GraspStatus::HitsNeighbour { .. } => "Hits a neighbour",
+        GraspStatus::NoIkAtStart { .. } => "Out of reach at start",
+        GraspStatus::NoIkAtGoal { .. } => "Out of reach at goal",
+        GraspStatus::NoWayAtStart { .. } => "No way in or up at start",
+        GraspStatus::NoWayAtGoal { .. } => "No way down or out at goal",
+        GraspStatus::Unwanted { .. } => "Not wanted",
     }
 }
 

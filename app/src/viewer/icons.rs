@@ -27,6 +27,7 @@ pub(super) enum Icon {
     Warning,
     Note,
     File,
+    Save,
 }
 
 /// Draws an icon in a square of `size` points around `centre`.
@@ -125,6 +126,11 @@ pub(super) fn paint(painter: &Painter, icon: Icon, centre: Pos2, size: f32, colo
             pen.ring((8.0, 8.0), 6.0);
             pen.line(&[(8.0, 7.4), (8.0, 11.2)]);
             pen.disc((8.0, 5.0), 0.85);
+        }
+        Icon::Save => {
+            pen.line(&[(8.0, 2.0), (8.0, 10.0)]);
+            pen.line(&[(4.8, 7.0), (8.0, 10.2), (11.2, 7.0)]);
+            pen.line(&[(2.5, 10.5), (2.5, 13.5), (13.5, 13.5), (13.5, 10.5)]);
         }
         Icon::File => {
             pen.closed(&[(3.5, 1.8), (9.5, 1.8), (12.5, 4.8), (12.5, 14.2), (3.5, 14.2)]);

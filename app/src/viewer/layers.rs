@@ -10,13 +10,23 @@ pub enum Layer {
     Goal,
     Grasps,
     Rejected,
+    Contacts,
     Path,
 }
 
 impl Layer {
     /// All layers in the order of the list.
-    pub const ALL: [Self; 8] =
-        [Self::Robot, Self::Cloud, Self::Clusters, Self::Fits, Self::Goal, Self::Grasps, Self::Rejected, Self::Path];
+    pub const ALL: [Self; 9] = [
+        Self::Robot,
+        Self::Cloud,
+        Self::Clusters,
+        Self::Fits,
+        Self::Goal,
+        Self::Grasps,
+        Self::Rejected,
+        Self::Contacts,
+        Self::Path,
+    ];
 
     /// What a person reads.
     pub fn title(self) -> &'static str {
@@ -28,6 +38,7 @@ impl Layer {
             Self::Goal => "Goal pose",
             Self::Grasps => "Grasps",
             Self::Rejected => "Rejected",
+            Self::Contacts => "Contacts",
             Self::Path => "Path",
         }
     }

@@ -109,9 +109,10 @@ pub(super) fn scale_bar(ui: &Ui, layout: &Layout, bar: &ScaleBar) {
         let (x, stroke) = (rect.center().x, Stroke::new(1.0, tokens.faint));
         ui.painter().vline(x, rect.top() - 2.0..=rect.bottom() + 3.0, stroke);
     } else {
-        text(low, Align2::LEFT_TOP, format::significant(min));
+        let end = |value: f64| format!("{} {}", format::significant(value), bar.unit).trim_end().to_owned();
+        text(low, Align2::LEFT_TOP, end(min));
         text(pos2(rect.center().x, y), Align2::CENTER_TOP, bar.title.clone());
-        text(high, Align2::RIGHT_TOP, format::significant(max));
+        text(high, Align2::RIGHT_TOP, end(max));
     }
 }
 

@@ -10,8 +10,10 @@ mod app;
 mod commands;
 mod compose_input;
 mod document;
+mod fields;
 mod font;
 mod format;
+mod grasping;
 mod icons;
 mod keys;
 mod lab;
@@ -23,9 +25,13 @@ mod outputs;
 mod panels;
 mod pick;
 mod playback;
+mod quantities;
+mod region_drag;
+mod regions;
 mod state;
 mod status;
 mod studio;
+mod table_view;
 mod theme;
 mod updates;
 mod view3d;
@@ -36,17 +42,19 @@ pub use commands::{Command, Effect, NamedView};
 pub use compose_input::{ComposeInput, Label, Legend, LegendRow, Mark, Picture, Posture, ScaleBar, Tone, ViewKey};
 pub use document::Document;
 pub use format::count;
+pub use grasping::{GraspCommand, GraspPage, Grasping, GraspingKey};
 pub use lab::{Comparison, FitView, Lab, LabCommand, LabKey, LabPage, objective_title};
 pub use layers::{Layer, LayerView, Layers};
 pub use outputs::{Dated, Outputs};
 pub use panels::draw_panels;
 pub use pick::Pick;
 pub use playback::Playback;
+pub use quantities::unit as unit_of;
 pub use state::{
-    Column, Hover, IkChoice, Message, Overlay, Selection, Side, Situation, StageState, Step, TableView, ThemeChoice,
-    ViewerState,
+    Hover, IkChoice, Message, Overlay, Selection, Side, Situation, StageState, Step, ThemeChoice, ViewerState,
 };
 pub use studio::{Demo, RobotChoice, Studio};
+pub use table_view::{Column, ColumnSet, Listed, TableView};
 pub use theme::{Tokens, install as install_theme};
 
 #[cfg(all(test, not(target_arch = "wasm32")))]

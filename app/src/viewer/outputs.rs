@@ -3,7 +3,7 @@
 use std::ops::Deref;
 use std::sync::Arc;
 
-use endcomfort_core::grasp::Grasp;
+use endcomfort_core::grasp::{Grasp, Quality};
 use endcomfort_core::job::{FitOutput, GraspsOutput, Output, RankOutput, SceneOutput, SegmentOutput, Stage};
 use endcomfort_core::task::Plan;
 use nalgebra::Isometry3;
@@ -46,15 +46,17 @@ pub struct Outputs {
     pub rank: Option<Dated<RankOutput>>,
     /// The plan.
     pub plan: Option<Dated<Plan>>,
+    /// Whether the ranking is one of the present candidates.
+    ranks_these: bool,
 }
 
 impl Outputs {
-    /// Puts a result in its place and says which stage it was.
-    pub(super) fn put(&mut self, revision: u64, output: Output) -> Stage {
+    /// Puts a result in its place and says which stage it was, if it was one.
+    pub(super) fn put(&mut self, revision: u64, output: Output) -> Option<Stage> {
         fn dated<T>(revision: u64, value: T) -> Option<Dated<T>> {
             Some(Dated { revision, value: Arc::new(value) })
         }
-        match output {
+        Some(match output {
             Output::Scene(value) => {
                 self.scene = dated(revision, value);
                 Stage::Scene
@@ -69,25 +71,51 @@ impl Outputs {
             }
             Output::Grasps(value) => {
                 self.grasps = dated(revision, value);
+                self.ranks_these = false;
                 Stage::Grasps
             }
             Output::Rank(value) => {
                 self.rank = dated(revision, value);
+                self.ranks_these = true;
                 Stage::Rank
             }
             Output::Plan(value) => {
                 self.plan = dated(revision, *value);
                 Stage::Plan
             }
+            Output::Quality(qualities) => {
+                if let Some(rank) = self.rank.as_mut().filter(|rank| rank.revision == revision) {
+                    Quality::put_all(&qualities, &mut Arc::make_mut(&mut rank.value).grasps);
+                }
+                return None;
+            }
             // The lab takes it before anybody puts it here.
-            Output::Objective(_) => Stage::Fit,
-        }
+            Output::Objective(_) => return None,
+        })
     }
 
-    /// The cloud and its clusters belong to a newer revision too.
-    pub(super) fn keep_clusters(&mut self, revision: u64) {
-        if let (Some(scene), Some(segment)) = (&mut self.scene, &mut self.segment) {
-            (scene.revision, segment.revision) = (revision, revision);
+    /// The results of the stages before `reach` belong to a newer revision too, as far as they are complete. Gives the
+    /// first stage whose result does not.
+    pub(super) fn keep_before(&mut self, reach: Stage, old: u64, new: u64) -> Stage {
+        let is_kept = |stage: &Stage| *stage < reach && self.revision(*stage) == Some(old);
+        let kept: Vec<Stage> = Stage::ALL.into_iter().take_while(is_kept).collect();
+        for &stage in &kept {
+            if let Some(revision) = self.revision_mut(stage) {
+                *revision = new;
+            }
+        }
+        // No stage lies before itself, so at least the plan is not kept.
+        Stage::ALL.get(kept.len()).copied().unwrap_or(Stage::Plan)
+    }
+
+    fn revision_mut(&mut self, stage: Stage) -> Option<&mut u64> {
+        match stage {
+            Stage::Scene => self.scene.as_mut().map(|dated| &mut dated.revision),
+            Stage::Segment => self.segment.as_mut().map(|dated| &mut dated.revision),
+            Stage::Fit => self.fit.as_mut().map(|dated| &mut dated.revision),
+            Stage::Grasps => self.grasps.as_mut().map(|dated| &mut dated.revision),
+            Stage::Rank => self.rank.as_mut().map(|dated| &mut dated.revision),
+            Stage::Plan => self.plan.as_mut().map(|dated| &mut dated.revision),
         }
     }
 
@@ -117,14 +145,18 @@ impl Outputs {
         }
     }
 
-    /// The candidates as far as they are known: ranked if the ranking belongs to them, else as they were made.
+    /// The candidates as far as they are known: ranked if the ranking is theirs, else as they were made.
     pub fn candidates(&self) -> &[Grasp] {
         match (&self.rank, &self.grasps) {
-            (Some(rank), Some(grasps)) if rank.revision >= grasps.revision => &rank.grasps,
+            (Some(rank), _) if self.ranks_these => &rank.grasps,
             (_, Some(grasps)) => &grasps.grasps,
-            (Some(rank), None) => &rank.grasps,
-            (None, None) => &[],
+            (_, None) => &[],
         }
+    }
+
+    /// Whether the candidates are ranked.
+    pub fn is_ranked(&self) -> bool {
+        self.ranks_these && self.rank.is_some()
     }
 
     /// The candidate of this number.
@@ -134,7 +166,7 @@ impl Outputs {
 
     /// Position among the accepted ones from 1, when the ranking knows the grasp as accepted.
     pub fn rank_of(&self, id: u32) -> Option<usize> {
-        let rank = self.rank.as_ref()?;
+        let rank = self.rank.as_ref().filter(|_| self.ranks_these)?;
         rank.grasps.iter().take(rank.accepted).position(|grasp| grasp.id == id).map(|index| index + 1)
     }
 

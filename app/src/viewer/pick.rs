@@ -11,11 +11,20 @@ pub enum Pick {
     Cluster(u32),
     /// The grasp of this number.
     Grasp(u32),
+    /// A part of the composite object that is grasped.
+    Part {
+        /// Its cluster.
+        cluster: u32,
+        /// Which one, in the order of the fit.
+        part: u32,
+    },
 }
 
 impl Pick {
     const KIND_SHIFT: u32 = 28;
     const INDEX: u32 = (1 << Self::KIND_SHIFT) - 1;
+    const PART_SHIFT: u32 = 20;
+    const PART: u32 = (1 << (Self::KIND_SHIFT - Self::PART_SHIFT)) - 1;
 
     /// The number for [`crate::render::MeshDraw::pick_id`]; indices from 2²⁸ on mean nothing.
     pub fn id(self) -> u32 {
@@ -25,6 +34,10 @@ impl Pick {
             Self::Robot => pack(1, 0),
             Self::Cluster(index) => pack(2, index),
             Self::Grasp(id) => pack(3, id),
+            Self::Part { cluster, part } if cluster >> Self::PART_SHIFT == 0 && part <= Self::PART => {
+                pack(4, part << Self::PART_SHIFT | cluster)
+            }
+            Self::Part { .. } => 0,
         }
     }
 
@@ -35,6 +48,7 @@ impl Pick {
             1 => Self::Robot,
             2 => Self::Cluster(index),
             3 => Self::Grasp(index),
+            4 => Self::Part { cluster: index & ((1 << Self::PART_SHIFT) - 1), part: index >> Self::PART_SHIFT },
             _ => Self::Nothing,
         }
     }
@@ -49,6 +63,8 @@ mod tests {
         for pick in [Pick::Nothing, Pick::Robot, Pick::Cluster(0), Pick::Cluster(7), Pick::Grasp(0), Pick::Grasp(411)] {
             assert_eq!(Pick::from_id(pick.id()), pick);
         }
+        let part = Pick::Part { cluster: 3, part: 5 };
+        assert_eq!(Pick::from_id(part.id()), part);
         assert_eq!(Pick::Grasp(u32::MAX).id(), 0);
     }
 }

@@ -2,11 +2,14 @@
 
 use std::sync::Arc;
 
-use endcomfort_core::grasp::{Grasp, Situated};
+use endcomfort_core::grasp::{Grasp, Quantity, Situated};
 use endcomfort_core::job::{Refusal, Stage};
+use endcomfort_core::scene::Task;
 
 use super::document::History;
-use super::{ComposeInput, Demo, Document, Lab, Layers, Outputs, Playback, Posture, RobotChoice, ViewKey};
+use super::{
+    ComposeInput, Demo, Document, Grasping, Lab, Layers, Outputs, Playback, Posture, RobotChoice, TableView, ViewKey,
+};
 
 /// Everything the interface knows. Panels read it; [`ViewerState::apply`] and [`ViewerState::receive`] change it.
 pub struct ViewerState {
@@ -30,6 +33,8 @@ pub struct ViewerState {
     pub playback: Playback,
     /// How the grasp table is sorted and filtered.
     pub table: TableView,
+    /// How grasps are examined.
+    pub grasping: Grasping,
     /// The fit under examination.
     pub lab: Lab,
     /// What covers the page.
@@ -158,34 +163,6 @@ pub struct Hover {
     pub cluster: Option<usize>,
 }
 
-/// A column of the grasp table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Column {
-    /// Rank, or number.
-    Number,
-    /// m_g at the start.
-    Start,
-    /// m_g at the goal.
-    Goal,
-    /// Size of the IK set at the goal (at the start without a goal).
-    Solutions,
-    /// Ferrari–Canny quality.
-    Epsilon,
-    /// The reason.
-    Why,
-}
-
-/// How the grasp table is sorted and filtered.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct TableView {
-    /// The column that orders the rows.
-    pub sort: Column,
-    /// Whether the order is turned round.
-    pub reversed: bool,
-    /// Whether rejected candidates are listed.
-    pub rejected: bool,
-}
-
 /// What covers the page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Overlay {
@@ -244,7 +221,8 @@ impl ViewerState {
             hover: Hover::default(),
             layers: Layers::default(),
             playback: Playback::default(),
-            table: TableView { sort: Column::Number, reversed: false, rejected: true },
+            table: TableView::default(),
+            grasping: Grasping::default(),
             lab: Lab::default(),
             overlay: Overlay::None,
             drawer: None,
@@ -293,6 +271,26 @@ impl ViewerState {
         self.selection.grasp.and_then(|id| self.outputs.candidate(id))
     }
 
+    /// Whether the task has a goal.
+    pub fn has_goal(&self) -> bool {
+        matches!(self.document.scene.task, Task::PickAndPlace { .. })
+    }
+
+    /// What ranks grasps; `None` for a random order.
+    pub fn ranking_quantity(&self) -> Option<Quantity> {
+        self.document.scene.rank.by.quantity(self.has_goal())
+    }
+
+    /// What the grasps' colours mean.
+    pub fn shown_quantity(&self) -> Quantity {
+        self.grasping.colored_by.or_else(|| self.ranking_quantity()).unwrap_or(Quantity::MgStart)
+    }
+
+    /// How many bodies the object to grasp has.
+    pub fn parts(&self) -> usize {
+        self.target_fit().map_or(0, |fit| fit.bodies().count())
+    }
+
     /// How many joints the planned arm has: as many as its grasp's IK solutions, seven if those are not there.
     pub(super) fn arm_joint_count(&self) -> usize {
         let grasp = self.outputs.plan.as_ref().map(|plan| &plan.grasp);
@@ -332,6 +330,7 @@ impl ViewerState {
             hover: &self.hover,
             layers: &self.layers,
             posture: self.posture(),
+            grasping: self.grasping_key(),
             lab,
             trial: lab.and_then(|lab| self.comparison()?.fit(lab.objective?)),
             dark,
@@ -347,36 +346,10 @@ impl ViewerState {
             hover: self.hover.clone(),
             layers: self.layers,
             posture: self.posture(),
+            grasping: self.grasping_key(),
             lab: self.lab_key(),
             dark,
         }
-    }
-
-    /// Rows of the grasp table in the order in which they stand, as indices into [`Outputs::candidates`].
-    pub fn table_rows(&self) -> Vec<usize> {
-        let grasps = self.outputs.candidates();
-        let is_accepted = |grasp: &Grasp| grasp.status == endcomfort_core::grasp::GraspStatus::Accepted;
-        let mut rows: Vec<usize> = grasps
-            .iter()
-            .enumerate()
-            .filter(|(_, grasp)| self.table.rejected || is_accepted(grasp))
-            .map(|(index, _)| index)
-            .collect();
-        let m_g = |situated: &Option<Situated>| situated.as_ref().map_or(-1.0, |situated| situated.m_g);
-        let solutions =
-            |grasp: &Grasp| grasp.goal.as_ref().or(grasp.start.as_ref()).map_or(0, |situated| situated.ik_count);
-        match self.table.sort {
-            Column::Number => {}
-            Column::Start => rows.sort_by(|&a, &b| m_g(&grasps[b].start).total_cmp(&m_g(&grasps[a].start))),
-            Column::Goal => rows.sort_by(|&a, &b| m_g(&grasps[b].goal).total_cmp(&m_g(&grasps[a].goal))),
-            Column::Solutions => rows.sort_by_key(|&row| std::cmp::Reverse(solutions(&grasps[row]))),
-            Column::Epsilon => rows.sort_by(|&a, &b| grasps[b].epsilon.total_cmp(&grasps[a].epsilon)),
-            Column::Why => rows.sort_by_cached_key(|&row| grasps[row].status.reason()),
-        }
-        if self.table.reversed {
-            rows.reverse();
-        }
-        rows
     }
 
     /// Tells the person something.
@@ -406,15 +379,14 @@ impl ViewerState {
     /// Replaces the document: a new revision, the old results stale until new ones stand. What the change does not
     /// reach stays as it is.
     pub(super) fn set_document(&mut self, document: Document) {
-        let reach = if self.has_current_clusters() { self.document.first_difference(&document) } else { Stage::Scene };
+        let reach = self.document.first_difference(&document);
+        let before = self.revision;
         self.newest_revision += 1;
         self.revision = self.newest_revision;
         self.document = document;
         self.running = true;
-        if reach > Stage::Scene {
-            self.outputs.keep_clusters(self.revision);
-        }
-        for stage in Stage::ALL.into_iter().filter(|&stage| stage >= reach) {
+        let first = self.outputs.keep_before(reach, before, self.revision);
+        for stage in Stage::ALL.into_iter().filter(|&stage| stage >= first) {
             *self.stage_mut(stage) =
                 if self.outputs.revision(stage).is_some() { StageState::Stale } else { StageState::Waiting };
         }

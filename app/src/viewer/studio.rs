@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use endcomfort_core::grasp::ExportFormat;
 use endcomfort_core::scene::Scene;
 
-use super::{ComposeInput, Picture};
+use super::{ComposeInput, Document, Outputs, Picture};
 
 /// The room behind the interface.
 pub trait Studio {
@@ -13,6 +14,12 @@ pub trait Studio {
 
     /// The robots in the order of the switch.
     fn robots(&self) -> Vec<RobotChoice>;
+
+    /// Writes the ranked grasps of the present state as text of a format.
+    ///
+    /// # Errors
+    /// A sentence when there is nothing to write, or no robot to tell it of.
+    fn export(&self, document: &Document, outputs: &Outputs, format: ExportFormat) -> Result<String, String>;
 
     /// Makes the picture of the present state; called only when something changed.
     fn compose(&mut self, input: &ComposeInput<'_>) -> Picture;
@@ -38,4 +45,6 @@ pub struct RobotChoice {
     pub title: String,
     /// Posture of its SRDF from which it starts when a scene is handed to it.
     pub posture: String,
+    /// Whether a joint between its base and its arms (a torso) can move with the arm.
+    pub has_torso: bool,
 }

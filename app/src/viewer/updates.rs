@@ -29,6 +29,7 @@ impl ViewerState {
             Update::Done { elapsed_ms, output, .. } => {
                 let stage = self.outputs.put(revision, *output);
                 self.outputs_version += 1;
+                let Some(stage) = stage else { return Vec::new() };
                 *self.stage_mut(stage) = StageState::Done { elapsed_ms };
                 self.stage_stands(stage)
             }
@@ -101,8 +102,12 @@ impl ViewerState {
         *self.stage_mut(stage) = StageState::Refused(refusal);
         self.playback.playing = false;
         self.selection.ik = None;
-        // Whoever works on the fit stays there: the stepper says what became of the later stages.
-        if !(self.selection.step == Step::Stage(Stage::Fit) && stage > Stage::Fit) {
+        // Whoever works on the fit or on the grasps stays there: the stepper says what became of the later stages.
+        let works = match self.selection.step {
+            Step::Stage(step) if step < stage => step == Stage::Fit || self.edits_grasps(),
+            _ => false,
+        };
+        if !works {
             self.selection.step = Step::Stage(stage);
         }
         vec![Effect::Announce(format!("{} refused: {sentence}", stage.title()))]

@@ -8,8 +8,9 @@ use egui_wgpu::RenderState;
 use nalgebra::{Matrix3, Point2, Point3};
 
 use super::layout::Layout;
+use super::region_drag::RegionDrag;
 use super::theme::{SECONDARY, Tokens, font};
-use super::{Command, NamedView, Pick, Picture, Studio, Tone, ViewKey, ViewerState, legends};
+use super::{Command, GraspCommand, NamedView, Pick, Picture, Studio, Tone, ViewKey, ViewerState, legends};
 use crate::render::{Bounds, BoundsCache, Camera, Named, Picker, Quality, Renderer, Target, Theme, View};
 
 /// Radians per point of dragging: a drag over 600 points turns by half a turn.
@@ -49,6 +50,8 @@ pub(super) struct View3d {
     examined: Option<(usize, bool)>,
     /// Where the camera stood before it went there.
     before_lab: Option<Camera>,
+    /// The drag that draws a region.
+    region: RegionDrag,
     /// The next frame is taken from the side of this place.
     wants_side: Option<Point3<f64>>,
 }
@@ -100,6 +103,7 @@ impl View3d {
             was_framed: false,
             examined: None,
             before_lab: None,
+            region: RegionDrag::default(),
             wants_side: None,
         }
     }
@@ -164,6 +168,12 @@ impl View3d {
         let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
         ui.painter().image(self.texture, rect, whole, Color32::WHITE);
         self.labels(ui, rect);
+        if state.grasping.draws_region {
+            self.region.hint(ui, &layout);
+            commands.extend(self.region.follow(ui, &response, rect, &self.camera, state));
+        } else {
+            self.region = RegionDrag::default();
+        }
         if let Some(legend) = &self.picture.legend {
             legends::legend(ui, &layout, legend);
         }
@@ -257,6 +267,10 @@ impl View3d {
             self.travel = None;
             return;
         }
+        if state.grasping.draws_region && !ui.input(|input| input.pointer.secondary_down()) {
+            // The drag draws a frame; the other button still moves the camera.
+            return;
+        }
         if response.drag_started()
             && let Some(pointer) = response.interact_pointer_pos()
         {
@@ -302,7 +316,10 @@ impl View3d {
         let hit = self.picker.pick(&self.picture.frame, self.camera.ray(at, size));
         let pick = hit.map_or(Pick::Nothing, |hit| Pick::from_id(hit.pick_id));
         let grasp = if let Pick::Grasp(id) = pick { Some(id) } else { None };
-        let cluster = if let Pick::Cluster(index) = pick { Some(index as usize) } else { None };
+        let cluster = match pick {
+            Pick::Cluster(cluster) | Pick::Part { cluster, .. } => Some(cluster as usize),
+            Pick::Grasp(_) | Pick::Robot | Pick::Nothing => None,
+        };
         if state.hover.grasp != grasp {
             commands.push(Command::HoverGrasp(grasp));
         }
@@ -312,7 +329,14 @@ impl View3d {
         if response.clicked() {
             match pick {
                 Pick::Grasp(id) => commands.push(Command::SelectGrasp(id)),
-                Pick::Cluster(index) => commands.push(Command::SelectCluster(index as usize)),
+                Pick::Part { part, .. } if state.picks_part() => {
+                    // A second click on the same part lets any part be held again.
+                    let part = Some(part as usize).filter(|part| state.scene().grasp.filter.part != Some(*part));
+                    commands.push(Command::Grasping(GraspCommand::SetPart(part)));
+                }
+                Pick::Cluster(cluster) | Pick::Part { cluster, .. } => {
+                    commands.push(Command::SelectCluster(cluster as usize));
+                }
                 Pick::Robot | Pick::Nothing => {}
             }
         }

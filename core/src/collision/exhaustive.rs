@@ -143,7 +143,7 @@ fn judged(party: Party, name: &str, link: Option<usize>, solid: &Solid) -> Resul
         nalgebra::UnitQuaternion::from_rotation_matrix(&nalgebra::Rotation3::from_matrix_unchecked(solid.X_FB.R)),
     );
     let points = match &solid.core {
-        Core::Hull { points } => points.len(),
+        Core::Hull(hull) => hull.corners().len(),
         _ => 0,
     };
     let body = ForeignBody::new(&solid.core, solid.radius, &X_FB)

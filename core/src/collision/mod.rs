@@ -15,6 +15,7 @@ mod closed_form;
 mod exhaustive;
 mod frames;
 mod hand;
+mod hull;
 mod model;
 mod narrow;
 mod parry;
@@ -24,12 +25,15 @@ mod solid;
 #[cfg(test)]
 pub(crate) mod testing;
 mod touching;
+mod triangles;
 mod world;
 
 pub use checker::{Checker, Clearance, Hit, Scratch};
 pub(crate) use checker::{Pair, State};
 pub use exhaustive::Exhaustive;
 pub use hand::HandChecker;
+pub use hull::ConvexHull;
 pub use model::{CollisionError, CollisionModel};
 pub use setup::{CarriedObject, MayTouch, Party};
+pub use triangles::TriangleSurface;
 pub use world::World;

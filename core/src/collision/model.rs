@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, Vector3};
 
-use super::setup::hull;
+use super::hull::ConvexHull;
 use super::solid::{Core, Solid};
 use super::world::positive;
 use crate::robot::{Geometry, JointKind, Robot};
@@ -112,7 +112,7 @@ fn solid(link: &str, geometry: &Geometry, X_LC: &Isometry3<f64>) -> Result<Solid
             (Core::Segment { a: -half, b: half }, *radius_m)
         }
         Geometry::Mesh { file, mesh } => {
-            (hull(&format!("{link} ({file})"), mesh.positions.iter().map(|p| p.coords))?, 0.0)
+            (Core::Hull(ConvexHull::new(&format!("{link} ({file})"), &mesh.positions)?), 0.0)
         }
     };
     Ok(Solid::new(core, radius, X_LC))

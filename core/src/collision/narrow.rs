@@ -103,9 +103,10 @@ fn towards(a: &Solid, X_WA: &Rigid, b: &Solid, X_WB: &Rigid) -> Vector3<f64> {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::{Isometry3, Translation3};
+    use nalgebra::{Isometry3, Point3, Translation3};
 
     use super::*;
+    use crate::collision::ConvexHull;
     use crate::collision::parry::ForeignBody;
     use crate::rng::Rng;
 
@@ -119,9 +120,8 @@ mod tests {
             2 => (Core::Box { half: Vector3::from_fn(|_, _| rng.uniform(0.02, 0.3)) }, 0.0),
             3 => (Core::Cylinder { radius: rng.uniform(0.03, 0.2), half_length: rng.uniform(0.03, 0.3) }, 0.0),
             _ => {
-                let points: Vec<_> = (0..30).map(|_| rng.direction() * rng.uniform(0.1, 0.2)).collect();
-                let corners = crate::collision::parry::hull_corners(&points).unwrap();
-                (Core::Hull { points: corners.into() }, 0.0)
+                let points: Vec<_> = (0..30).map(|_| Point3::from(rng.direction() * rng.uniform(0.1, 0.2))).collect();
+                (Core::Hull(ConvexHull::new("hull", &points).unwrap()), 0.0)
             }
         }
     }

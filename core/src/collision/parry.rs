@@ -12,11 +12,11 @@ use parry3d_f64::shape::{SharedShape, SupportMap};
 use super::frames::Rigid;
 use super::solid::Core;
 
-fn to_parry(v: &Vector3<f64>) -> Vector {
+pub(super) fn to_parry(v: &Vector3<f64>) -> Vector {
     Vector::new(v.x, v.y, v.z)
 }
 
-fn from_parry(v: Vector) -> Vector3<f64> {
+pub(super) fn from_parry(v: Vector) -> Vector3<f64> {
     Vector3::new(v.x, v.y, v.z)
 }
 
@@ -77,14 +77,14 @@ pub(crate) fn core_distance(a: &Placed<'_>, b: &Placed<'_>, towards: &Vector3<f6
     }
 }
 
-/// The corners of the convex hull of some points; `None` when they span no volume.
-pub(crate) fn hull_corners(points: &[Vector3<f64>]) -> Option<Vec<Vector3<f64>>> {
+/// The corners and triangles of the convex hull of some points; `None` when they span no volume.
+pub(crate) fn hull_of(points: &[Vector3<f64>]) -> Option<(Vec<Vector3<f64>>, Vec<[u32; 3]>)> {
     if !spans_volume(points) {
         return None;
     }
     let wrapped: Vec<Vector> = points.iter().map(to_parry).collect();
-    let (corners, _) = parry3d_f64::transformation::try_convex_hull(&wrapped).ok()?;
-    (corners.len() >= 4).then(|| corners.into_iter().map(from_parry).collect())
+    let (corners, triangles) = parry3d_f64::transformation::try_convex_hull(&wrapped).ok()?;
+    (corners.len() >= 4).then(|| (corners.into_iter().map(from_parry).collect(), triangles))
 }
 
 /// Whether the points stand out of every plane by more than a micrometre.
@@ -124,8 +124,8 @@ impl ForeignBody {
                 let y_to_z = Pose::from_rotation(Rotation::from_xyzw(quarter, 0.0, 0.0, quarter));
                 Self { shape: SharedShape::cylinder(*half_length, *radius), X_OB: X_OB * y_to_z }
             }
-            Core::Hull { points } => {
-                let points: Vec<Vector> = points.iter().map(to_parry).collect();
+            Core::Hull(hull) => {
+                let points: Vec<Vector> = hull.corners().iter().map(to_parry).collect();
                 Self { shape: SharedShape::convex_hull(&points)?, X_OB }
             }
         })

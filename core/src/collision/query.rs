@@ -233,7 +233,9 @@ mod tests {
     use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
     use crate::collision::testing::{random_q, two_arm_robot};
-    use crate::collision::{CarriedObject, Checker, CollisionModel, Exhaustive, HandChecker, MayTouch, Scratch, World};
+    use crate::collision::{
+        CarriedObject, Checker, CollisionModel, ConvexHull, Exhaustive, HandChecker, MayTouch, Scratch, World,
+    };
     use crate::rng::Rng;
     use crate::scene::TableTop;
 
@@ -251,7 +253,7 @@ mod tests {
                 1 => world.add_cylinder(&format!("can_{k}"), 0.05, 0.2, &X_WB).unwrap(),
                 _ => {
                     let points: Vec<_> = (0..60).map(|_| Point3::from(rng.direction() * 0.09)).collect();
-                    world.add_hull(&format!("pear_{k}"), &points, &X_WB).unwrap();
+                    world.add_points(&format!("pear_{k}"), &points, &X_WB).unwrap();
                 }
             }
         }
@@ -267,7 +269,8 @@ mod tests {
                 .collect()
         };
         let pieces = [cuboid(0.1, 0.1, 0.1), cuboid(0.3, 0.01, 0.02)];
-        CarriedObject::from_pieces("brick", &pieces, &Isometry3::translation(0.0, 0.0, 0.05), robot, arm).unwrap()
+        let pieces = pieces.map(|piece| ConvexHull::new("brick", &piece).unwrap());
+        CarriedObject::new("brick", &pieces, &Isometry3::translation(0.0, 0.0, 0.05), robot, arm).unwrap()
     }
 
     #[test]

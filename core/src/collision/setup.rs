@@ -1,11 +1,9 @@
 //! What a hand carries, and which contacts are intended.
 
-use std::sync::Arc;
+use nalgebra::Isometry3;
 
-use nalgebra::{Isometry3, Point3, Vector3};
-
+use super::hull::ConvexHull;
 use super::model::CollisionError;
-use super::parry::hull_corners;
 use super::solid::{Core, Solid};
 use crate::robot::Robot;
 
@@ -19,54 +17,28 @@ pub struct CarriedObject {
 }
 
 impl CarriedObject {
-    /// The hull of points given in O, metres, carried by an arm of the robot; all links of its hand may touch it.
+    /// An object of convex pieces in its frame O, carried by an arm of the robot; all links of its hand may touch it.
     ///
     /// * `arm`: index into [`Robot::arms`].
     /// * `X_HO`: pose of the object in the hand frame.
     ///
     /// # Errors
-    /// [`CollisionError`] if there is no such arm, or the points are not finite or span no volume.
-    pub fn from_points(
+    /// [`CollisionError`] if there is no such arm.
+    pub fn new(
         name: &str,
-        points_O: &[Point3<f64>],
-        X_HO: &Isometry3<f64>,
-        robot: &Robot,
-        arm: usize,
-    ) -> Result<Self, CollisionError> {
-        Self::from_pieces(name, &[points_O], X_HO, robot, arm)
-    }
-
-    /// As [`CarriedObject::from_points`], one hull per piece: a mug with its handle.
-    ///
-    /// # Errors
-    /// As [`CarriedObject::from_points`], for the first piece that is wrong.
-    pub fn from_pieces<P: AsRef<[Point3<f64>]>>(
-        name: &str,
-        pieces_O: &[P],
+        pieces_O: &[ConvexHull],
         X_HO: &Isometry3<f64>,
         robot: &Robot,
         arm: usize,
     ) -> Result<Self, CollisionError> {
         let hand = &robot.arms.get(arm).ok_or(CollisionError::NoSuchArm { found: arm, arms: robot.arms.len() })?.hand;
-        let solid = |points_O: &P| Ok(Solid::new(hull(name, points_O.as_ref().iter().map(|p| p.coords))?, 0.0, X_HO));
         Ok(Self {
             name: name.to_owned(),
             tcp_link: hand.tcp_link,
-            solids_H: pieces_O.iter().map(solid).collect::<Result<_, _>>()?,
+            solids_H: pieces_O.iter().map(|hull| Solid::new(Core::Hull(hull.clone()), 0.0, X_HO)).collect(),
             touching: hand.links.clone(),
         })
     }
-}
-
-/// A hull from points that must be finite and span a volume.
-pub(crate) fn hull(name: &str, points: impl Iterator<Item = Vector3<f64>>) -> Result<Core, CollisionError> {
-    let points: Vec<Vector3<f64>> = points.collect();
-    if let Some(index) = points.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
-        return Err(CollisionError::PointNotFinite { thing: name.to_owned(), index });
-    }
-    let corners = hull_corners(&points)
-        .ok_or_else(|| CollisionError::NoVolume { thing: name.to_owned(), points: points.len() })?;
-    Ok(Core::Hull { points: Arc::from(corners) })
 }
 
 /// One side of an intended contact.

@@ -1,10 +1,9 @@
 //! A convex body: a core swept by a ball.
 
-use std::sync::Arc;
-
 use nalgebra::{Isometry3, Vector3};
 
 use super::frames::Rigid;
+use super::hull::ConvexHull;
 
 /// The part of a body that remains when its rounding is taken off.
 #[derive(Clone, Debug)]
@@ -15,8 +14,8 @@ pub(crate) enum Core {
     Box { half: Vector3<f64> },
     /// A cylinder along z about the origin of the body's own frame.
     Cylinder { radius: f64, half_length: f64 },
-    /// The convex hull of these points in the body's own frame; never empty.
-    Hull { points: Arc<[Vector3<f64>]> },
+    /// A convex hull in the body's own frame.
+    Hull(ConvexHull),
 }
 
 /// A body B in the frame F that carries it: `core ⊕ ball(radius)`.
@@ -47,12 +46,7 @@ impl Solid {
             Core::Cylinder { radius, half_length } => {
                 (Vector3::zeros(), (radius * radius + half_length * half_length).sqrt())
             }
-            Core::Hull { points } => {
-                let lower = points.iter().fold(Vector3::repeat(f64::INFINITY), |m, p| m.inf(p));
-                let upper = points.iter().fold(Vector3::repeat(f64::NEG_INFINITY), |m, p| m.sup(p));
-                let center = 0.5 * (lower + upper);
-                (center, points.iter().map(|p| (p - center).norm()).fold(0.0, f64::max))
-            }
+            Core::Hull(hull) => hull.ball(),
         };
         Self { center: X_FB.point(&center_B), core, X_FB, radius, bound: core_bound + radius }
     }
@@ -107,17 +101,7 @@ impl Core {
                 let z = if direction.z < 0.0 { -half_length } else { *half_length };
                 Vector3::new(direction.x * scale, direction.y * scale, z)
             }
-            Self::Hull { points } => {
-                let mut best = points.first().copied().unwrap_or_default();
-                let mut reach = best.dot(direction);
-                for point in points.iter().skip(1) {
-                    let value = point.dot(direction);
-                    if value > reach {
-                        (best, reach) = (*point, value);
-                    }
-                }
-                best
-            }
+            Self::Hull(hull) => hull.support(direction),
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
+use super::hull::ConvexHull;
 use super::model::CollisionError;
-use super::setup::hull;
 use super::solid::{Core, Solid};
 use crate::scene::{Obstacle, TableTop};
 
@@ -63,14 +63,21 @@ impl World {
     ///
     /// # Errors
     /// [`CollisionError`] if a point is not finite or the points span no volume.
-    pub fn add_hull(
+    pub fn add_points(
         &mut self,
         name: &str,
         points_O: &[Point3<f64>],
         X_WO: &Isometry3<f64>,
     ) -> Result<(), CollisionError> {
-        let core = hull(name, points_O.iter().map(|p| p.coords))?;
-        self.push(name, core, X_WO)
+        self.add_hull(name, &ConvexHull::new(name, points_O)?, X_WO)
+    }
+
+    /// A hull in its frame O, standing at `X_WO`.
+    ///
+    /// # Errors
+    /// [`CollisionError`] if the pose is not finite.
+    pub fn add_hull(&mut self, name: &str, hull_O: &ConvexHull, X_WO: &Isometry3<f64>) -> Result<(), CollisionError> {
+        self.push(name, Core::Hull(hull_O.clone()), X_WO)
     }
 
     /// The slab of a table, named `table`.
@@ -130,9 +137,9 @@ mod tests {
         ));
         assert!(world.add_cylinder("can", f64::NAN, 0.1, &here).is_err());
         let flat: Vec<_> = (0..4).map(|k| Point3::new(f64::from(k % 2), f64::from(k / 2), 0.0)).collect();
-        assert!(matches!(world.add_hull("leaf", &flat, &here), Err(CollisionError::NoVolume { points: 4, .. })));
+        assert!(matches!(world.add_points("leaf", &flat, &here), Err(CollisionError::NoVolume { points: 4, .. })));
         let bad = [Point3::new(0.0, f64::INFINITY, 0.0)];
-        assert!(matches!(world.add_hull("leaf", &bad, &here), Err(CollisionError::PointNotFinite { index: 0, .. })));
+        assert!(matches!(world.add_points("leaf", &bad, &here), Err(CollisionError::PointNotFinite { index: 0, .. })));
         assert_eq!(world.names().count(), 0);
     }
 }

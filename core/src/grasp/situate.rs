@@ -3,7 +3,7 @@
 use nalgebra::Isometry3;
 
 use super::{Obstruction, Situated};
-use crate::robot::ik::{IkSet, SrsArm};
+use crate::robot::ik::ArmIk;
 use crate::robot::{Arm, Robot};
 
 /// The arm, and what decides whether one of its configurations may be used.
@@ -12,11 +12,11 @@ pub struct Reach<'a> {
     pub robot: &'a Robot,
     /// The arm that grasps.
     pub arm: &'a Arm,
-    /// Its closed-form inverse kinematics.
-    pub ik: &'a SrsArm,
-    /// All joint positions; the arm's own are not used.
+    /// Its inverse kinematics.
+    pub ik: &'a ArmIk,
+    /// All joint positions; the arm's own are those from which a search starts.
     pub q_rest: &'a [f64],
-    /// Arm angles over a full turn at which all branches are solved.
+    /// Arm angles over a full turn at which all branches are solved; starts of a numeric search.
     pub arm_angles: usize,
 }
 
@@ -26,8 +26,8 @@ impl Reach<'_> {
     /// `hit` gets the arm's joints from shoulder to wrist.
     pub fn situate(&self, X_WH: &Isometry3<f64>, mut hit: impl FnMut(&[f64]) -> Option<Obstruction>) -> Situated {
         let X_WB = self.robot.link_poses(self.q_rest)[self.arm.base_link];
-        let mut found = IkSet::default();
-        self.ik.sweep_into(&X_WB.inv_mul(X_WH), self.arm_angles, &mut found);
+        let q_now: Vec<f64> = self.arm.dofs.iter().map(|&dof| self.q_rest[dof]).collect();
+        let found = self.ik.set(&X_WB.inv_mul(X_WH), &q_now, self.arm_angles);
 
         let mut situated = Situated::default();
         let mut reasons: Vec<(Obstruction, usize)> = Vec::new();
@@ -38,17 +38,17 @@ impl Reach<'_> {
         found.rejected.iter().for_each(|reject| turn_away(reject.into()));
         let mut q = self.q_rest.to_vec();
         let mut X_WL = Vec::new();
-        for solution in &found.solutions {
-            if let Some(reason) = hit(&solution.q) {
+        for solution in found.iter() {
+            if let Some(reason) = hit(solution) {
                 turn_away(reason);
                 continue;
             }
-            for (&dof, &position) in self.arm.dofs.iter().zip(&solution.q) {
+            for (&dof, &position) in self.arm.dofs.iter().zip(solution) {
                 q[dof] = position;
             }
             self.robot.link_poses_into(&q, &mut X_WL);
             situated.manipulability.push(self.robot.manipulability(self.arm, &X_WL));
-            situated.solutions.push(solution.q.to_vec());
+            situated.solutions.push(solution.to_vec());
         }
         situated.ik_count = situated.solutions.len();
         if situated.ik_count > 0 {

@@ -9,6 +9,7 @@ mod memory;
 mod perceive;
 mod rank;
 mod run;
+mod situate;
 
 pub use perceive::synthetic_cloud;
 pub use run::Pipeline;

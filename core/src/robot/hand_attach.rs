@@ -257,7 +257,7 @@ mod tests {
     use nalgebra::{Isometry3, Vector3};
 
     use super::*;
-    use crate::grasp::{GraspSettings, HandModel, candidates};
+    use crate::grasp::{GraspSettings, HandModel, Touched, candidates};
     use crate::rng::Rng;
     use crate::robot::samples::{alita, crichton, hand, with_hand};
     use crate::superquadric::Superquadric;
@@ -292,7 +292,10 @@ mod tests {
                 let settings = GraspSettings { density: 8, ..GraspSettings::default() };
                 let grasps = |robot: &Robot| {
                     let hand = HandModel::new(robot, &robot.arms[number]);
-                    format!("{:?}", candidates(&hand, &can, &settings, &|_, _| None))
+                    format!(
+                        "{:?}",
+                        candidates(&hand, &can, Touched::Bodies, &settings, &Isometry3::identity(), &|_, _| None)
+                    )
                 };
                 assert_eq!(grasps(&other), grasps(&robot), "the same candidates to the last bit");
             }
@@ -347,7 +350,8 @@ mod tests {
         let X_EH = X_WL[arm.flange_link].inv_mul(&X_WL[arm.hand.tcp_link]);
         assert!((X_EH.translation.vector - Vector3::new(0.0, 0.0, 0.012 + 0.17)).norm() < 1e-12);
         let can = [Superquadric::new(0.03, 0.03, 0.05, 0.1, 1.0, Isometry3::identity()).unwrap()];
-        let found = candidates(&model, &can, &GraspSettings::default(), &|_, _| None);
+        let found =
+            candidates(&model, &can, Touched::Bodies, &GraspSettings::default(), &Isometry3::identity(), &|_, _| None);
         let held = found.iter().filter(|grasp| grasp.is_accepted() && grasp.epsilon > 0.0).count();
         assert!(held > 20, "{held} of {}", found.len());
     }

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, Isometry3, Matrix6, Translation3, UnitQuaternion, Vector3};
 
-use super::{Arm, JointKind, Robot};
+use super::{Arm, Chain, JointKind, Robot};
 
 impl Robot {
     /// Number of degrees of freedom: the length of `q`.
@@ -81,6 +81,26 @@ impl Robot {
             }
         }
         gram.determinant().max(0.0).sqrt()
+    }
+
+    /// An arm together with the joints between the robot's root and its base, which then stand first in its `dofs`:
+    /// Crichton's torso. The arm itself when there are none.
+    pub fn arm_with_torso(&self, arm: &Arm) -> Arm {
+        let Ok(lead) = Chain::between(self, 0, arm.base_link) else { return arm.clone() };
+        let chain = self.chain(0, arm.base_link).unwrap_or_default();
+        let first = chain.iter().map(|&joint| &self.joints[joint]).find(|joint| joint.kind != JointKind::Fixed);
+        let base_link = first.map_or(arm.base_link, |joint| joint.parent);
+        let dofs = lead.dofs().iter().chain(&arm.dofs).copied().collect();
+        Arm { dofs, base_link, ..arm.clone() }
+    }
+
+    /// The robot with one arm's chain beginning at the root ([`Robot::arm_with_torso`]).
+    pub fn with_torso(&self, arm_index: usize) -> Self {
+        let mut robot = self.clone();
+        if let Some(arm) = self.arms.get(arm_index) {
+            robot.arms[arm_index] = self.arm_with_torso(arm);
+        }
+        robot
     }
 
     /// The arm of this name.

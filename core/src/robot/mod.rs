@@ -1,5 +1,6 @@
 //! Robots: URDF + SRDF, kinematics, limits, hands, inverse kinematics.
 
+mod chain;
 mod error;
 mod hand_attach;
 mod hand_description;
@@ -16,6 +17,7 @@ mod tree;
 mod urdf;
 mod xml;
 
+pub use chain::{Chain, ChainError, ChainState};
 pub use error::{MAX_LINKS, RobotError};
 pub use hand_description::{HAND_VERSION, HandDescription, HandError, HandFrame, Placement};
 pub use model::{

@@ -9,7 +9,6 @@ use crate::plan::{
     ArmSpace, BirrtSettings, CartesianSettings, CartesianStop, MotionLimits, Path, PlanOutcome, ShortcutSettings,
     StopReason, TimingSettings, Trajectory, follow_poses, plan_path, shorten, straight_line, time_path,
 };
-use crate::robot::ik::IkSet;
 use crate::watch::Watch;
 
 /// Distance between poses on a straight way, metres, and radians.
@@ -17,8 +16,6 @@ const STRAIGHT_STEP_M: f64 = 0.01;
 const STRAIGHT_STEP_RAD: f64 = 0.1;
 /// Searches of which the shortest path is taken: an RRT's first path may be a long way round.
 const SEARCHES: u64 = 6;
-/// Arm angles tried to either side of the present one when a straight way is followed, radians.
-const ARM_ANGLE_STEPS: [f64; 7] = [0.0, 0.04, -0.04, 0.1, -0.1, 0.2, -0.2];
 
 /// One phase of a plan before its start time is known.
 pub(super) struct Draft {
@@ -67,20 +64,8 @@ impl Mover<'_> {
     ) -> Result<Path, String> {
         let X_WB = self.cell.robot.link_poses(&self.cell.q_start)[self.cell.arm().base_link];
         let poses = straight_line(X_WH, X_WH_end, STRAIGHT_STEP_M, STRAIGHT_STEP_RAD);
-        let near_ik = |X_WH: &Isometry3<f64>, near: &[f64]| self.nearest(&X_WB.inv_mul(X_WH), near);
+        let near_ik = |X_WH: &Isometry3<f64>, near: &[f64]| self.cell.ik.near(&X_WB.inv_mul(X_WH), near);
         follow_poses(space, q, &poses, &near_ik, &CartesianSettings::default()).map_err(|stop| stop_reason(&stop))
-    }
-
-    /// The solution nearest to a configuration, over arm angles near its own.
-    fn nearest(&self, X_BH: &Isometry3<f64>, near: &[f64]) -> Option<Vec<f64>> {
-        let angle = self.cell.ik.arm_angle(near.try_into().ok()?);
-        let mut found = IkSet::default();
-        for step in ARM_ANGLE_STEPS {
-            self.cell.ik.solve_into(X_BH, angle + step, &mut found);
-        }
-        let farthest = |q: &[f64]| q.iter().zip(near).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        let nearest = found.solutions.iter().min_by(|l, r| farthest(&l.q).total_cmp(&farthest(&r.q)))?;
-        Some(nearest.q.to_vec())
     }
 
     /// A searched and shortened way to any of the goals, and which one it is.

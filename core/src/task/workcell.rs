@@ -2,14 +2,16 @@
 
 use std::sync::Arc;
 
-use nalgebra::{Isometry3, Point3};
+use nalgebra::Isometry3;
 
 use super::{PhaseKind, Plan};
-use crate::collision::{CarriedObject, Checker, CollisionError, CollisionModel, Exhaustive, MayTouch, Party, World};
+use crate::collision::{
+    CarriedObject, Checker, CollisionError, CollisionModel, ConvexHull, Exhaustive, MayTouch, Party, World,
+};
 use crate::grasp::{Grasp, HandModel};
 use crate::plan::{WalkHit, walk};
-use crate::robot::ik::{NotSrs, SrsArm};
-use crate::robot::{Arm, Robot};
+use crate::robot::ik::ArmIk;
+use crate::robot::{Arm, ChainError, Robot};
 
 /// What reasons call the object that is grasped.
 pub const TARGET: &str = "object";
@@ -27,15 +29,15 @@ pub struct Workcell {
     /// Index of the acting arm in [`Robot::arms`].
     pub arm_index: usize,
     /// Inverse kinematics of that arm.
-    pub ik: SrsArm,
+    pub ik: ArmIk,
     /// Its hand.
     pub hand: HandModel,
     /// All joints before anything moves.
     pub q_start: Vec<f64>,
     /// Obstacles, the object itself left out.
     pub world: World,
-    /// Corners of the object's convex pieces in its frame O, metres.
-    pub target_O: Vec<Vec<Point3<f64>>>,
+    /// The object's convex pieces in its frame O.
+    pub target_O: Vec<ConvexHull>,
     /// Pose of O in the world where the object stands now.
     pub X_WO_start: Isometry3<f64>,
     /// Pose of O where it shall be put, if anywhere.
@@ -64,9 +66,9 @@ pub enum WorkcellError {
     /// The robot has no such posture.
     #[error("{robot} has no posture {posture:?}")]
     NoPosture { robot: String, posture: String },
-    /// The arm cannot be solved in closed form.
-    #[error("the arm has no closed-form inverse kinematics: {0}")]
-    Ik(#[from] NotSrs),
+    /// The arm's joints are no chain to its hand.
+    #[error(transparent)]
+    Chain(#[from] ChainError),
     /// A body makes no sense.
     #[error(transparent)]
     Collision(#[from] CollisionError),
@@ -120,7 +122,7 @@ impl Workcell {
     /// As [`Workcell::approaching`].
     pub fn carrying(&self, grasp: &Grasp, resting: &[String]) -> Result<Situation, CollisionError> {
         let X_HO = grasp.X_OH.inverse();
-        let carried = CarriedObject::from_pieces(TARGET, &self.target_O, &X_HO, &self.robot, self.arm_index)?;
+        let carried = CarriedObject::new(TARGET, &self.target_O, &X_HO, &self.robot, self.arm_index)?;
         Ok(Situation {
             world: self.world.clone(),
             carried: Some(carried),
@@ -172,7 +174,7 @@ impl Workcell {
 
     /// Names of everything that the object rests on, or nearly so, when it stands at `X_WO`.
     pub fn supports(&self, X_WO: &Isometry3<f64>) -> Vec<String> {
-        let near_piece = |piece_O| self.world.near_hull(piece_O, X_WO, REST_DEPTH_M).unwrap_or_default();
+        let near_piece = |piece_O| self.world.near_hull(piece_O, X_WO, REST_DEPTH_M);
         let mut names: Vec<String> = Vec::new();
         for (name, _) in self.target_O.iter().flat_map(|piece_O| near_piece(piece_O)) {
             if !names.contains(&name) {

@@ -89,6 +89,7 @@ fn color(layer: Layer, tokens: &Tokens) -> Color32 {
         Layer::Goal | Layer::Path => tokens.amber,
         Layer::Grasps => tokens.violet,
         Layer::Rejected => tokens.coral,
+        Layer::Contacts => tokens.slate.lerp_to_gamma(tokens.text, 0.6),
     }
 }
 
@@ -109,6 +110,7 @@ fn label(state: &ViewerState, layer: Layer) -> String {
         Layer::Clusters => counted(outputs.segment.as_ref().map(|segment| segment.clusters.len())),
         Layer::Grasps => counted(accepted(true)),
         Layer::Rejected => counted(accepted(false)),
+        Layer::Contacts => counted(state.selected_grasp().map(|grasp| grasp.contacts.len())),
         Layer::Fits | Layer::Goal | Layer::Path => layer.title().to_owned(),
     }
 }

@@ -3,7 +3,6 @@
 mod drop_zone;
 mod fit;
 mod gallery;
-mod grasp;
 mod grasps;
 mod help;
 mod inspector;
@@ -13,7 +12,6 @@ mod play;
 mod scene;
 mod segment;
 mod stepper;
-mod table;
 mod timeline;
 mod toasts;
 mod top_bar;

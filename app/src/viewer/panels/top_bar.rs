@@ -3,6 +3,7 @@
 use egui::{Align, Layout as UiLayout, Popup, Rect, Role, Sense, TextEdit, Ui, WidgetInfo, pos2, vec2};
 
 use super::Out;
+use crate::viewer::fields::menu_row;
 use crate::viewer::icons::{self, Icon};
 use crate::viewer::layout::Layout;
 use crate::viewer::state::{Side, ThemeChoice};
@@ -91,22 +92,6 @@ fn demo_menu(ui: &mut Ui, state: &ViewerState, max_width: f32, out: &mut Out) {
             ui.close();
         }
     });
-}
-
-fn menu_row(ui: &mut Ui, text: &str, is_open: bool) -> bool {
-    let tokens = Tokens::of(ui);
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 30.0), Sense::click());
-    response.widget_info(|| WidgetInfo::labeled(Role::MenuItem, true, text));
-    if response.hovered() {
-        ui.painter().rect_filled(rect, SMALL_RADIUS, tokens.hover);
-    }
-    let galley = elided(ui, text, font(BODY), tokens.text, rect.width() - 40.0);
-    ui.painter().galley(pos2(rect.left() + 10.0, rect.center().y - 0.5 * galley.size().y), galley, tokens.text);
-    if is_open {
-        icons::paint(ui.painter(), Icon::Check, pos2(rect.right() - 16.0, rect.center().y), 14.0, tokens.teal);
-    }
-    focus_ring(ui, &response, rect);
-    response.clicked()
 }
 
 /// From right to left.

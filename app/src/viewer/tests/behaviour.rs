@@ -2,12 +2,13 @@
 
 use egui::{Key, Modifiers, Theme};
 use egui_kittest::kittest::Queryable as _;
+use endcomfort_core::grasp::Quantity;
 use endcomfort_core::job::{Refusal, Stage, Update};
 use endcomfort_core::scene::Scene;
 
 use super::{invented, page};
-use crate::viewer::state::{Column, StageState, Step};
-use crate::viewer::{Command, Effect, Layer, Overlay, Posture, ViewerState};
+use crate::viewer::state::{StageState, Step};
+use crate::viewer::{Column, Command, Effect, Layer, Overlay, Posture, ViewerState};
 
 const SIZE: [f32; 2] = [1440.0, 900.0];
 
@@ -205,14 +206,14 @@ fn cancel_stops_the_worker_and_leaves_the_old_results() {
 fn the_table_sorts_by_a_column_and_turns_round_at_the_second_click() {
     let mut harness = page(ranked(), SIZE, Theme::Dark);
     harness.run_steps(1);
-    let name = "Sort by Largest-ball quality of the grasp";
+    let name = "Sort by Largest-ball quality ε";
     harness.get_by_label(name).click();
     harness.run_steps(2);
     let epsilons = |state: &ViewerState| -> Vec<f64> {
         let grasps = state.outputs.candidates();
         state.table_rows().into_iter().map(|row| grasps[row].epsilon).collect()
     };
-    assert_eq!(harness.state().state.table.sort, Column::Epsilon);
+    assert_eq!(harness.state().state.table.sort, Column::Of(Quantity::Epsilon));
     assert!(epsilons(&harness.state().state).is_sorted_by(|a, b| a >= b));
     harness.get_by_label(name).click();
     harness.run_steps(2);
@@ -287,10 +288,10 @@ fn escape_closes_the_gallery_and_a_card_opens_its_demo() {
 fn the_seed_field_runs_the_pipeline_with_the_number_that_was_typed() {
     let mut harness = page(ranked(), SIZE, Theme::Dark);
     harness.run_steps(1);
-    harness.get_by_role(egui::Role::TextInput).focus();
+    harness.get_by_role_and_label(egui::Role::TextInput, "seed").focus();
     harness.run_steps(1);
     harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
-    harness.get_by_role(egui::Role::TextInput).type_text("42");
+    harness.get_by_role_and_label(egui::Role::TextInput, "seed").type_text("42");
     harness.run_steps(1);
     harness.key_press(Key::Enter);
     harness.run_steps(2);

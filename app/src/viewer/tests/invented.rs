@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use endcomfort_core::cloud::{PixelGrid, PointCloud};
 use endcomfort_core::fit::{Fit, FitSettings, ModelReport, ObjectiveKind, RejectedPoint, RunReport, StopReason};
-use endcomfort_core::grasp::{Contact, Grasp, GraspSettings, GraspStatus, Obstruction, RankSettings, Situated};
+use endcomfort_core::grasp::{
+    Contact, Grasp, GraspSettings, GraspStatus, Obstruction, RankSettings, Score, Situated, Success, Term,
+};
 use endcomfort_core::job::{
     FitOutput, GraspsOutput, ObjectiveFit, Output, RankOutput, SceneOutput, SegmentOutput, Update,
 };
@@ -85,6 +87,7 @@ pub(super) fn fresh() -> ViewerState {
         name: title.to_lowercase(),
         title: title.to_owned(),
         posture: "home".to_owned(),
+        has_torso: title == "Crichton",
     });
     let mut state = ViewerState::new(Document::new(demos[2].scene.clone()), demos, robots.to_vec());
     state.demo = Some("glass".to_owned());
@@ -245,6 +248,7 @@ fn candidates() -> Vec<Grasp> {
     let situated = |m_g: f64, ik_count: usize| Situated {
         m_g,
         ik_count,
+        with_ways: Vec::new(),
         solutions: vec![vec![0.1; 7]; ik_count],
         manipulability: (0..ik_count)
             .map(|i| m_g + 0.5 * m_g * ((i as f64 * 0.7).sin() + (i as f64 * 1.3).cos()) / 2.0)
@@ -282,8 +286,19 @@ fn candidates() -> Vec<Grasp> {
             let contact = |link: &str| Contact {
                 p_O: Point3::new(0.03, 0.0, 0.0),
                 n_O: Vector3::x(),
-                penetration_m: 0.0,
+                penetration_m: 0.0004 * (link.len() as f64 - 5.0),
                 link: link.to_owned(),
+            };
+            let score = || Score {
+                total: 0.86 - 0.01 * rank,
+                terms: [
+                    ("m_g_goal", 1.0, 0.98),
+                    ("m_g_start", 0.5, 0.61),
+                    ("success", 0.5, 0.9),
+                    ("clearance", 0.0, 0.2),
+                ]
+                .map(|(name, weight, share)| Term { name: name.to_owned(), weight, share })
+                .to_vec(),
             };
             Grasp {
                 id: (i * 131) % 412,
@@ -293,10 +308,10 @@ fn candidates() -> Vec<Grasp> {
                 contacts: vec![contact("thumb"), contact("finger 1"), contact("finger 2"), contact("palm")],
                 width_m: 0.071,
                 epsilon: 0.21 - 0.001 * rank / 4.0,
-                volume: 0.08,
-                success: None,
-                clearance_m: None,
-                score: None,
+                volume: Some(0.08),
+                success: (i < 37).then(|| Success { held: 20 - i % 9, trials: 20 }),
+                clearance_m: (i < 80).then(|| 0.012 + 0.001 * rank.sin()),
+                score: (i < 37).then(score),
                 start,
                 goal,
                 status,

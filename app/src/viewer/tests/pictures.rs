@@ -1,10 +1,12 @@
 //! The whole interface as pictures. `ENDCOMFORT_LOOK=<folder>` keeps them for looking at.
 
+use endcomfort_core::grasp::{ApproachCone, GraspFilter, GraspSettings, RankBy, RankSettings, Region};
 use endcomfort_core::job::{Refusal, Stage, Update};
+use nalgebra::{Point3, Vector3};
 
 use super::{Page, invented, page};
 use crate::viewer::state::{IkChoice, Side, Situation, Step};
-use crate::viewer::{Command, LabCommand, LabPage, Overlay, Tokens, ViewerState};
+use crate::viewer::{ColumnSet, Command, GraspCommand, GraspPage, LabCommand, LabPage, Overlay, Tokens, ViewerState};
 
 const LARGE: [f32; 2] = [1440.0, 900.0];
 const SMALL: [f32; 2] = [1280.0, 720.0];
@@ -28,6 +30,36 @@ fn with(mut state: ViewerState, commands: impl IntoIterator<Item = Command>) -> 
 /// The fit lab, open on a page.
 fn lab(page: LabPage) -> ViewerState {
     with(invented::planned(), [Command::SelectStep(Step::Stage(Stage::Fit)), Command::Lab(LabCommand::Page(page))])
+}
+
+/// A page of the inspector at a step with grasps.
+fn grasps(stage: Stage, page: GraspPage) -> ViewerState {
+    with(invented::planned(), [Command::SelectStep(Step::Stage(stage)), Command::Grasping(GraspCommand::Page(page))])
+}
+
+/// Everything that a filter can ask for, its results already there.
+fn filtered() -> ViewerState {
+    let mut state = grasps(Stage::Grasps, GraspPage::Filter);
+    let region = Region { center_W: Point3::new(0.6, -0.2, 0.84), half_m: Vector3::new(0.04, 0.05, 0.03) };
+    let approach = Some(ApproachCone { axis_W: -Vector3::z(), half_angle_rad: 0.5 });
+    let filter = GraspFilter { approach, region: Some(region), part: None, min_clearance_m: 0.01 };
+    let settings = GraspSettings { filter, ..GraspSettings::default() };
+    let _run = state.apply(Command::Grasping(GraspCommand::Settings(settings)));
+    for (elapsed_ms, output) in invented::outputs().into_iter().skip(3) {
+        invented::done(&mut state, elapsed_ms, output);
+    }
+    state
+}
+
+/// Ranked by the score.
+fn scored() -> ViewerState {
+    let mut state = grasps(Stage::Rank, GraspPage::Order);
+    let settings = RankSettings { by: RankBy::Score, ..RankSettings::default() };
+    let _run = state.apply(Command::Grasping(GraspCommand::Rank(settings)));
+    for (elapsed_ms, output) in invented::outputs().into_iter().skip(4) {
+        invented::done(&mut state, elapsed_ms, output);
+    }
+    state
 }
 
 /// The five objectives, side by side.
@@ -102,6 +134,22 @@ fn every_screen_is_drawn_in_both_themes() {
         screens.push((Box::leak(name.into_boxed_str()), SMALL, lab(page)));
     }
     screens.push(("fit-search", LARGE, compared()));
+    for (stage, size) in [(Stage::Grasps, SMALL), (Stage::Rank, SMALL)] {
+        for &page in GraspPage::of(stage) {
+            let name = format!("{}-{}", stage.title(), page.title());
+            screens.push((Box::leak(name.into_boxed_str()), size, grasps(stage, page)));
+        }
+    }
+    screens.push(("rank-grasp", LARGE, grasps(Stage::Rank, GraspPage::Grasp)));
+    screens.push(("grasps-filter", LARGE, filtered()));
+    screens.push(("rank-order", LARGE, scored()));
+    let listed = GraspCommand::Columns(ColumnSet::Hand);
+    let hands = with(grasps(Stage::Rank, GraspPage::Table), [Command::Grasping(listed), Command::SelectGrasp(41)]);
+    screens.push(("rank-hand", LARGE, hands));
+    let drawer = Command::ToggleDrawer(Side::Right);
+    screens.push(("rank-table", PHONE, with(grasps(Stage::Rank, GraspPage::Table), [drawer.clone()])));
+    screens.push(("grasps-filter", PHONE, with(filtered(), [drawer.clone()])));
+    screens.push(("grasps-settings", PHONE, with(grasps(Stage::Grasps, GraspPage::Settings), [drawer])));
     screens.push(("fit-result", PHONE, with(lab(LabPage::Result), [Command::ToggleDrawer(Side::Right)])));
     screens.push(("fit-shape", PHONE, with(lab(LabPage::Shape), [Command::ToggleDrawer(Side::Right)])));
     let mut told = at(Step::Stage(Stage::Grasps));

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use egui::{Event, MouseWheelUnit, Pos2, Theme, Vec2};
 use egui_kittest::Harness;
 use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup};
+use endcomfort_core::grasp::ExportFormat;
 use image::RgbaImage;
 use nalgebra::{Isometry3, Vector3};
 
@@ -12,7 +13,9 @@ use super::{Page, invented};
 use crate::render::{Frame, MeshDraw, Surface, shapes};
 use crate::viewer::layout::Layout;
 use crate::viewer::view3d::View3d;
-use crate::viewer::{ComposeInput, Demo, Label, Pick, Picture, RobotChoice, Studio, Tone, draw_panels, theme};
+use crate::viewer::{
+    ComposeInput, Demo, Document, Label, Outputs, Pick, Picture, RobotChoice, Studio, Tone, draw_panels, theme,
+};
 
 const SIZE: Vec2 = egui::vec2(1280.0, 720.0);
 /// A colour that nothing else on the page has.
@@ -30,6 +33,10 @@ impl Studio for Brick {
 
     fn robots(&self) -> Vec<RobotChoice> {
         Vec::new()
+    }
+
+    fn export(&self, _document: &Document, _outputs: &Outputs, _format: ExportFormat) -> Result<String, String> {
+        Err("a brick has no grasps".to_owned())
     }
 
     fn compose(&mut self, _input: &ComposeInput<'_>) -> Picture {

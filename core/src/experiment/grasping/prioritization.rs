@@ -12,7 +12,7 @@ use super::known::{KnownObject, known_objects};
 use super::priority_row::{Excluded, PriorityCase, PriorityRow, Setback};
 use super::{GraspExperiment, GraspExperimentSettings};
 use crate::experiment::ExperimentRefusal;
-use crate::grasp::{Grasp, GraspStatus, RankBy, RankSettings, rank};
+use crate::grasp::{Grasp, GraspStatus, RankBy, RankSettings, Touched, rank};
 use crate::job::Refusal;
 use crate::parallel;
 use crate::pipeline::{grasp_candidates, ranked, workcell};
@@ -130,8 +130,8 @@ impl Series<'_> {
         let fits = object.fits(&case.scene.objects[0].X_WO);
         let cell = workcell(&case.scene, &fits, &[], false, &self.settings.library).map_err(refused)?;
         let Some(Ok(target)) = fits.fits.first() else { return Ok(Vec::new()) };
-        let candidates = grasp_candidates(&cell, target, &case.scene.grasp).map_err(refused)?;
-        let mut grasps = ranked(&cell, &candidates, &case.scene, silent).map_err(refused)?;
+        let candidates = grasp_candidates(&cell, target, Touched::Bodies, &case.scene.grasp).map_err(refused)?;
+        let mut grasps = ranked(&cell, &candidates, target, &case.scene, silent).map_err(refused)?;
         let blank = PriorityCase::blank(self.robot, self.condition, number, &case, &object.name, &grasps);
         if blank.accepted == 0 {
             return Ok(vec![PriorityCase { excluded: Some(why(&grasps)), ..blank }]);
@@ -248,8 +248,9 @@ mod tests {
         let case = draw("alita", by_goal.condition, &objects, 0, settings.seed, by_goal.case as u64);
         let fits = objects[case.object].fits(&case.scene.objects[0].X_WO);
         let cell = workcell(&case.scene, &fits, &[], false, &settings.library).unwrap();
-        let grasps = grasp_candidates(&cell, fits.fits[0].as_ref().unwrap(), &case.scene.grasp).unwrap();
-        let ranked = ranked(&cell, &grasps, &case.scene, Watch::idle()).unwrap();
+        let target = fits.fits[0].as_ref().unwrap();
+        let grasps = grasp_candidates(&cell, target, Touched::Bodies, &case.scene.grasp).unwrap();
+        let ranked = ranked(&cell, &grasps, target, &case.scene, Watch::idle()).unwrap();
         let task = PickAndPlace { cell: &cell, ranked: &ranked, chosen: None, seed: case.scene.seed };
         let plan = plan_pick_and_place(&task, &MotionSettings::default(), Watch::idle()).unwrap();
         assert_eq!(plan.failed_grasps.len() + 1, by_goal.tried);

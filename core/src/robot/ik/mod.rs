@@ -1,16 +1,23 @@
-//! Inverse kinematics: closed form over the arm angle for arms of the S-R-S kind.
+//! Inverse kinematics: closed form over the arm angle for arms of the S-R-S kind, numeric for all others.
+//!
+//! [`ArmIk`] is the one interface: it looks at the arm, takes the best method for it, and answers joint vectors or typed
+//! reasons. What follows is about the closed form.
 //!
 //! An S-R-S arm has a ball of three joints at the shoulder S, a hinge at the elbow E and a ball at the wrist W, without
 //! offsets (LWA4D and LWA3 are such arms). Its redundancy is one number, the *arm angle*: how far the elbow is
 //! turned about the line from S to W. At each arm angle a hand pose has up to eight solutions. Arms of another
 //! kind are refused by [`SrsArm::of`] with the reason.
 
+mod arm;
 mod ball;
 mod extract;
+mod numeric;
 mod outcome;
 mod solve;
 #[cfg(test)]
 mod tests;
 
+pub use arm::{ArmIk, EXTRA_SAMPLES, IkMethod, Postures};
 pub use extract::{NotSrs, SrsArm};
+pub(crate) use outcome::Length;
 pub use outcome::{IkReject, IkSet, IkSolution};

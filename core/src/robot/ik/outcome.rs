@@ -26,14 +26,21 @@ pub enum IkReject {
     },
     /// A joint would leave its limits.
     JointLimit {
-        /// Joint of the arm, 0 at the shoulder to 6 at the wrist.
+        /// Joint of the arm, 0 at the shoulder; joints before an S-R-S arm are not counted.
         joint: usize,
-        /// Position it would need, radians.
+        /// Position it would need, radians (metres if it slides).
         value: f64,
-        /// Lower limit, radians.
+        /// Lower limit.
         lower: f64,
-        /// Upper limit, radians.
+        /// Upper limit.
         upper: f64,
+    },
+    /// A numeric search came no nearer than this.
+    Stalled {
+        /// Distance left, metres.
+        gap_m: f64,
+        /// Rotation left, radians.
+        gap_rad: f64,
     },
 }
 
@@ -44,6 +51,7 @@ impl IkReject {
             Self::OutOfReach { .. } => "out of reach".to_owned(),
             Self::TooClose { .. } => "too close to the shoulder".to_owned(),
             Self::JointLimit { joint, .. } => format!("joint {} limit", joint + 1),
+            Self::Stalled { .. } => "no solution found".to_owned(),
         }
     }
 }
@@ -51,11 +59,27 @@ impl IkReject {
 impl std::fmt::Display for IkReject {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::OutOfReach { gap_m } => write!(f, "out of reach by {:.0} mm", gap_m * 1e3),
-            Self::TooClose { gap_m } => write!(f, "too close to the shoulder by {:.0} mm", gap_m * 1e3),
+            Self::OutOfReach { gap_m } => write!(f, "out of reach by {}", Length(*gap_m)),
+            Self::TooClose { gap_m } => write!(f, "too close to the shoulder by {}", Length(*gap_m)),
             Self::JointLimit { joint, value, lower, upper } => {
-                write!(f, "joint {} would be at {value:.2} rad, limits {lower:.2} to {upper:.2}", joint + 1)
+                write!(f, "joint {} limit: would be at {value:.2}, may be {lower:.2} to {upper:.2}", joint + 1)
             }
+            Self::Stalled { gap_m, gap_rad } => {
+                write!(f, "no solution found: {} and {:.0}° short", Length(*gap_m), gap_rad.to_degrees())
+            }
+        }
+    }
+}
+
+/// A length as a person says it: `4 cm`, `7 mm`.
+pub(crate) struct Length(pub(crate) f64);
+
+impl std::fmt::Display for Length {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.0 {
+            m if m >= 0.0195 => write!(f, "{:.0} cm", m * 1e2),
+            m if m >= 0.5e-3 => write!(f, "{:.0} mm", m * 1e3),
+            _ => write!(f, "less than 1 mm"),
         }
     }
 }

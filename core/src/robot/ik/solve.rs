@@ -21,6 +21,9 @@ const STRETCHED: f64 = 3e-8;
 /// Reach beyond the stretched arm, metres, that is still taken for round-off and pulled back.
 const REACH_SLACK: f64 = 1e-12;
 
+/// Arm angles to either side of a posture's own among which the nearest solution is looked for, radians.
+const NEAR_ANGLES: [f64; 7] = [0.0, 0.04, -0.04, 0.1, -0.1, 0.2, -0.2];
+
 /// What does not depend on the arm angle.
 struct Posed {
     /// `R_BH · R_HB0`: the rotation that all seven joints make together.
@@ -93,6 +96,17 @@ impl SrsArm {
         let normal = R_shoulder * self.a4 * if bend < -STRETCHED { -1.0 } else { 1.0 };
         let (zero, quarter) = self.normals(&t);
         math::atan2(normal.dot(&quarter), normal.dot(&zero))
+    }
+
+    /// The solution nearest to a posture, by its farthest joint, at arm angles near the posture's own.
+    pub fn near(&self, X_BH: &Isometry3<f64>, near: &[f64; 7]) -> Option<[f64; 7]> {
+        let angle = self.arm_angle(near);
+        let mut found = IkSet::default();
+        for step in NEAR_ANGLES {
+            self.solve_into(X_BH, angle + step, &mut found);
+        }
+        let farthest = |q: &[f64; 7]| q.iter().zip(near).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        found.solutions.iter().map(|solution| solution.q).min_by(|l, r| farthest(l).total_cmp(&farthest(r)))
     }
 
     /// Elbow branches and everything else that all arm angles share.

@@ -13,6 +13,7 @@ use endcomfort_core::job::Stage;
 
 use super::Out;
 use super::inspector::{heading, nothing_yet};
+use crate::viewer::fields::tabs;
 use crate::viewer::icons::Icon;
 use crate::viewer::theme::{BODY, SECONDARY, Tokens};
 use crate::viewer::widgets::{icon_button, paragraph, segmented_wide};
@@ -72,41 +73,14 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         out.push(Command::Lab(LabCommand::View(FitView::ALL[index])));
     }
     ui.add_space(6.0);
-    tabs(ui, state.lab.page, out);
+    let open = state.lab.page as usize;
+    if let Some(index) = tabs(ui, &LabPage::ALL.map(LabPage::title), Some(open)) {
+        out.push(Command::Lab(LabCommand::Page(LabPage::ALL[index])));
+    }
     match state.lab.page {
         LabPage::Result => result::draw(ui, state, fit, out),
         LabPage::Shape => shape::draw(ui, state, fit, out),
         LabPage::Search => search::draw(ui, state, fit, out),
         LabPage::Settings => settings::draw(ui, state, out),
     }
-}
-
-/// The pages of the inspector, on a hairline.
-fn tabs(ui: &mut Ui, open: LabPage, out: &mut Out) {
-    use crate::viewer::theme::{font, strong};
-    let tokens = Tokens::of(ui);
-    let (rect, _) = ui.allocate_exact_size(egui::vec2(ui.available_width(), 32.0), egui::Sense::hover());
-    ui.painter().hline(rect.x_range(), rect.bottom() - 0.5, egui::Stroke::new(1.0, tokens.line));
-    let width = rect.width() / LabPage::ALL.len() as f32;
-    for (index, page) in LabPage::ALL.into_iter().enumerate() {
-        let left = rect.left() + width * index as f32;
-        let cell = egui::Rect::from_min_size(egui::pos2(left, rect.top()), egui::vec2(width, rect.height()));
-        let response = ui.interact(cell, ui.scope_id().with(("Page", index)), egui::Sense::click());
-        let is_open = page == open;
-        let name = format!("{} page", page.title());
-        response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Tab, true, is_open, &name));
-        let id = if is_open { strong(BODY) } else { font(BODY) };
-        let color = if is_open || response.hovered() { tokens.text } else { tokens.secondary };
-        let galley = ui.painter().layout_no_wrap(page.title().to_owned(), id, color);
-        ui.painter().galley(cell.center() - 0.5 * galley.size(), galley, color);
-        if is_open {
-            let line = egui::Rect::from_min_max(egui::pos2(cell.left(), cell.bottom() - 2.0), cell.max);
-            ui.painter().rect_filled(line, 1.0, tokens.teal);
-        }
-        crate::viewer::widgets::focus_ring(ui, &response, cell.shrink(2.0));
-        if response.on_hover_cursor(egui::CursorIcon::PointingHand).clicked() {
-            out.push(Command::Lab(LabCommand::Page(page)));
-        }
-    }
-    ui.add_space(6.0);
 }

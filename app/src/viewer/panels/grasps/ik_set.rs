@@ -1,68 +1,29 @@
-//! The selected grasp: how it holds, and the set of arm configurations behind its mean.
+//! The set of arm configurations behind a mean: stepping through it, its histogram, and what was turned away.
 
 use egui::{Align, Rect, Sense, Stroke, Ui, pos2, vec2};
-use endcomfort_core::grasp::{Grasp, GraspStatus, Situated};
+use endcomfort_core::grasp::{Grasp, Situated};
 
-use super::Out;
 use crate::viewer::icons::Icon;
+use crate::viewer::panels::Out;
 use crate::viewer::state::{IkChoice, Situation};
 use crate::viewer::theme::{BODY, SECONDARY, SMALL, Tokens, font};
-use crate::viewer::widgets::{
-    icon_button_at, key_value, key_value_colored, primary_button, secondary_button, section, segmented, text_in,
-};
+use crate::viewer::widgets::{icon_button_at, paragraph, segmented, text_in};
 use crate::viewer::{Command, ViewerState, format};
 
-/// Height that the details want, points.
-pub(super) fn height(grasp: &Grasp) -> f32 {
-    if grasp.status == GraspStatus::Accepted { 244.0 } else { 236.0 }
-}
-
-pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
-    let Some(grasp) = state.selected_grasp() else { return };
-    let tokens = Tokens::of(ui);
-    ui.spacing_mut().item_spacing.y = 0.0;
-    section(ui, &name(state, grasp));
-    if grasp.status != GraspStatus::Accepted {
-        let _row = key_value_colored(ui, "Rejected", &grasp.status.reason(), tokens.coral);
-    }
-    let _row = key_value(ui, "Contacts", &contacts(grasp)).on_hover_text(links(grasp));
-    if let Some(comfort) = format::comfort(grasp) {
-        let _row = key_value(ui, "Manipulability at the goal", &comfort);
-    }
-    let at = state.selection.ik.map_or(default_situation(grasp), |ik| ik.at);
-    if let Some(set) = at.of(grasp) {
-        solutions(ui, state, grasp, at, set, out);
-    }
-    buttons(ui, state, grasp, out);
-}
-
-fn name(state: &ViewerState, grasp: &Grasp) -> String {
-    match state.outputs.rank_of(grasp.id) {
-        Some(rank) => format!("Grasp {rank} · candidate {}", grasp.id),
-        None => format!("Candidate {}", grasp.id),
-    }
-}
-
-fn contacts(grasp: &Grasp) -> String {
-    let quality = if grasp.epsilon > 0.0 { format!("ε {:.2}", grasp.epsilon) } else { "no force closure".to_owned() };
-    match grasp.contacts.len() {
-        0 => "none".to_owned(),
-        count => format!("{count}, {} apart · {quality}", format::millimetres(grasp.width_m)),
-    }
-}
-
-fn links(grasp: &Grasp) -> String {
-    let mut links: Vec<&str> = grasp.contacts.iter().map(|contact| contact.link.as_str()).collect();
-    links.dedup();
-    if links.is_empty() { "The hand touches nothing.".to_owned() } else { links.join(", ") }
-}
-
-fn default_situation(grasp: &Grasp) -> Situation {
+/// Where the IK set is looked at until somebody chooses.
+pub(super) fn usual_situation(grasp: &Grasp) -> Situation {
     if grasp.goal.is_some() { Situation::Goal } else { Situation::Start }
 }
 
+/// `48 × joint 6 limit, 12 × elbow hits table`.
+fn turned_away(set: &Situated) -> String {
+    let reasons: Vec<String> =
+        set.rejected.iter().map(|(reason, count)| format!("{} × {reason}", format::count(*count))).collect();
+    if reasons.is_empty() { "No configuration.".to_owned() } else { reasons.join(", ") }
+}
+
 /// Which IK set, a way through its solutions, and the histogram of their manipulability.
-fn solutions(ui: &mut Ui, state: &ViewerState, grasp: &Grasp, at: Situation, set: &Situated, out: &mut Out) {
+pub(super) fn draw(ui: &mut Ui, state: &ViewerState, grasp: &Grasp, at: Situation, set: &Situated, out: &mut Out) {
     let tokens = Tokens::of(ui);
     ui.add_space(5.0);
     ui.horizontal(|ui| {
@@ -79,10 +40,7 @@ fn solutions(ui: &mut Ui, state: &ViewerState, grasp: &Grasp, at: Situation, set
     });
     ui.add_space(8.0);
     if set.manipulability.is_empty() {
-        let reasons: Vec<String> =
-            set.rejected.iter().map(|(reason, count)| format!("{} × {reason}", format::count(*count))).collect();
-        let text = if reasons.is_empty() { "No configuration.".to_owned() } else { reasons.join(", ") };
-        let _text = crate::viewer::widgets::paragraph(ui, &text, SECONDARY, tokens.coral);
+        let _text = paragraph(ui, &turned_away(set), SECONDARY, tokens.coral);
         ui.add_space(8.0);
     } else {
         let chosen = state.selection.ik.filter(|ik| ik.at == at).and_then(|ik| set.manipulability.get(ik.index));
@@ -152,19 +110,4 @@ fn histogram(ui: &mut Ui, set: &Situated, at: Situation, chosen: Option<f64>) {
         let shown = format!("shown {}", format::manipulability(m));
         let _text = text_in(ui, line(2.0), Align::Min, &shown, font(SECONDARY), tokens.text);
     }
-}
-
-fn buttons(ui: &mut Ui, state: &ViewerState, grasp: &Grasp, out: &mut Out) {
-    ui.add_space(6.0);
-    ui.horizontal(|ui| {
-        if grasp.status == GraspStatus::Accepted {
-            let number = state.outputs.rank_of(grasp.id).map_or(grasp.id as usize, |rank| rank);
-            if primary_button(ui, &format!("Plan with grasp {number}"), !state.running).clicked() {
-                out.push(Command::PlanWithGrasp(Some(grasp.id)));
-            }
-        }
-        if state.selection.ik.is_some() && secondary_button(ui, "Back to the plan", true).clicked() {
-            out.push(Command::ShowIk(None));
-        }
-    });
 }

@@ -1,27 +1,26 @@
 //! The grasp table: every candidate, accepted or not, says why.
 
+use egui::text::LayoutJob;
 use egui::{Align2, FontId, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
-use endcomfort_core::grasp::{Grasp, GraspStatus, Situated};
+use endcomfort_core::grasp::{Grasp, Quantity};
 
-use super::Out;
-use crate::viewer::state::Column;
+use crate::viewer::panels::Out;
+use crate::viewer::quantities;
 use crate::viewer::theme::{BODY, SECONDARY, SMALL, Tokens, font, strong};
 use crate::viewer::widgets::{elided, focus_ring, subscripted};
-use crate::viewer::{Command, ViewerState, format};
+use crate::viewer::{Column, Command, GraspCommand, ViewerState, format};
 
 const ROW: f32 = 26.0;
-const GAP: f32 = 10.0;
-const BAR: f32 = 34.0;
+const NUMBER: f32 = 24.0;
+const BAR: f32 = 38.0;
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     header(ui, state, out);
     let rows = state.table_rows();
     let grasps = state.outputs.candidates();
-    let best = grasps
-        .iter()
-        .flat_map(|grasp| [m_g(&grasp.goal), m_g(&grasp.start)])
-        .flatten()
-        .fold(f64::MIN_POSITIVE, f64::max);
+    let ranking = state.ranking_quantity();
+    let accepted = grasps.iter().filter(|grasp| grasp.is_accepted());
+    let best = accepted.filter_map(|grasp| ranking?.of(grasp)).fold(f64::MIN_POSITIVE, f64::max);
     let scrolled_to = ui.scope_id().with("scrolled to");
     let last: Option<u32> = ui.data(|data| data.get_temp(scrolled_to));
     ui.spacing_mut().item_spacing.y = 0.0;
@@ -46,51 +45,58 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     }
 }
 
-/// The columns' right or left edges in a row.
+/// The columns in a row, from left to right.
 struct Columns {
-    number: f32,
-    start: f32,
-    goal: f32,
-    solutions: f32,
-    epsilon: f32,
+    /// Rank or number.
+    number: Rect,
+    /// Each quantity, its number at the right edge.
+    numbers: Vec<(Quantity, Rect)>,
+    /// The reason.
     why: Rect,
 }
 
 impl Columns {
-    fn of(row: Rect) -> Self {
-        let number = row.left() + 22.0;
-        let start = number + GAP + 40.0;
-        let goal = start + GAP + BAR + 40.0;
-        let solutions = goal + GAP + 28.0;
-        let epsilon = solutions + GAP + 30.0;
-        let why = Rect::from_min_max(pos2(epsilon + 14.0, row.top()), row.max);
-        Self { number, start, goal, solutions, epsilon, why }
+    fn of(row: Rect, state: &ViewerState) -> Self {
+        let shown = state.table.columns.quantities();
+        let mut left = row.left();
+        let mut cell = |width: f32| {
+            left += width;
+            Rect::from_min_max(pos2(left - width, row.top()), pos2(left, row.bottom()))
+        };
+        let number = cell(NUMBER);
+        let numbers: Vec<(Quantity, Rect)> =
+            shown.iter().map(|&quantity| (quantity, cell(quantities::width(quantity)))).collect();
+        let why = Rect::from_min_max(pos2(left + 14.0, row.top()), row.max);
+        Self { number, numbers, why }
     }
 }
 
 fn header(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     let tokens = Tokens::of(ui);
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 24.0), Sense::hover());
-    let columns = Columns::of(rect);
-    let ranked = state.outputs.rank.is_some();
-    let number = if ranked { "Rank" } else { "Number" };
-    for (column, left, right, base, low, rest, name) in [
-        (Column::Number, rect.left(), columns.number, "#", "", "", number),
-        (Column::Start, columns.number + 4.0, columns.start, "m", "g", "start", "Mean manipulability at the start"),
-        (Column::Goal, columns.start + 4.0, columns.goal, "m", "g", "goal", "Mean manipulability at the goal"),
-        (Column::Solutions, columns.goal + 4.0, columns.solutions, "N", "", "", "IK solutions behind the mean"),
-        (Column::Epsilon, columns.solutions + 4.0, columns.epsilon, "ε", "", "", "Largest-ball quality of the grasp"),
-        (Column::Why, columns.why.left(), rect.right(), "why", "", "", "The reason"),
-    ] {
-        let cell = Rect::from_min_max(pos2(left, rect.top()), pos2(right, rect.bottom()));
+    let columns = Columns::of(rect, state);
+    let number = if state.outputs.is_ranked() { "Rank" } else { "Number" };
+    let numbers = columns
+        .numbers
+        .iter()
+        .map(|&(quantity, cell)| (Column::Of(quantity), cell, quantities::head(quantity), quantity.title()));
+    let heads = std::iter::once((Column::Number, columns.number, ("#", "", ""), number)).chain(numbers).chain([(
+        Column::Why,
+        columns.why,
+        ("why", "", ""),
+        "The reason",
+    )]);
+    for (column, cell, (base, low, rest), name) in heads {
         let response = ui.interact(cell, ui.scope_id().with(("sort", name)), Sense::click());
         response.widget_info(|| WidgetInfo::labeled(Role::ColumnHeader, true, format!("Sort by {name}")));
         let is_order = state.table.sort == column;
         let color = if is_order || response.hovered() { tokens.text } else { tokens.secondary };
-        let mut job = subscripted(base, low, rest, SMALL, color);
-        if rest.is_empty() {
-            job = egui::text::LayoutJob::simple_singleline(base.to_owned(), font(SMALL), color);
-        }
+        let job = if low.is_empty() {
+            let gap = if rest.is_empty() { "" } else { " " };
+            LayoutJob::simple_singleline(format!("{base}{gap}{rest}"), font(SMALL), color)
+        } else {
+            subscripted(base, low, rest, SMALL, color)
+        };
         let galley = ui.painter().layout_job(job);
         let x = if column == Column::Why { cell.left() } else { cell.right() - galley.size().x };
         let width = galley.size().x;
@@ -101,7 +107,7 @@ fn header(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         }
         focus_ring(ui, &response, cell);
         if response.on_hover_text(name).clicked() {
-            out.push(Command::SortBy(column));
+            out.push(Command::Grasping(GraspCommand::SortBy(column)));
         }
     }
     ui.painter().hline(rect.expand2(vec2(13.0, 0.0)).x_range(), rect.bottom(), Stroke::new(1.0, tokens.line));
@@ -111,7 +117,7 @@ fn row(ui: &mut Ui, state: &ViewerState, grasp: &Grasp, best: f64, out: &mut Out
     let tokens = Tokens::of(ui);
     let (_, rect) = ui.allocate_space(vec2(ui.available_width(), ROW));
     let response = ui.interact(rect, ui.scope_id().with(("grasp", grasp.id)), Sense::click());
-    let columns = Columns::of(rect);
+    let columns = Columns::of(rect, state);
     let full = rect.expand2(vec2(13.0, 0.0));
     let is_selected = state.selection.grasp == Some(grasp.id);
     if is_selected {
@@ -119,35 +125,30 @@ fn row(ui: &mut Ui, state: &ViewerState, grasp: &Grasp, best: f64, out: &mut Out
     } else if response.hovered() || state.hover.grasp == Some(grasp.id) {
         ui.painter().rect_filled(full, 0.0, tokens.hover);
     }
-    let accepted = grasp.status == GraspStatus::Accepted;
+    let accepted = grasp.is_accepted();
     let ink = if accepted { tokens.text } else { tokens.secondary };
     let planned = state.outputs.plan.as_ref().is_some_and(|plan| plan.grasp.id == grasp.id);
     let painter = ui.painter();
     let put = |x: f32, text: String, id: FontId| {
         let _rect = painter.text(pos2(x, rect.center().y), Align2::RIGHT_CENTER, text, id, ink);
     };
-    let number = match (state.outputs.rank_of(grasp.id), state.outputs.rank.is_some()) {
+    let number = match (state.outputs.rank_of(grasp.id), state.outputs.is_ranked()) {
         (Some(rank), _) => rank.to_string(),
         (None, true) => "–".to_owned(),
         (None, false) => grasp.id.to_string(),
     };
-    put(columns.number, number, if planned { strong(BODY) } else { font(BODY) });
-    let value = |m_g: Option<f64>| m_g.map_or("–".to_owned(), format::manipulability);
-    put(columns.start, value(m_g(&grasp.start)), font(BODY));
-    put(columns.goal, value(m_g(&grasp.goal)), font(BODY));
-    if let (true, Some(goal)) = (accepted, m_g(&grasp.goal).or(m_g(&grasp.start))) {
-        let width = BAR * (goal / best).max(0.0).min(1.0) as f32;
-        let right = columns.goal - 44.0;
-        let bar = Rect::from_min_max(pos2(right - width, rect.center().y - 2.5), pos2(right, rect.center().y + 2.5));
-        painter.rect_filled(bar, 2.5, tokens.teal);
+    put(columns.number.right(), number, if planned { strong(BODY) } else { font(BODY) });
+    for &(quantity, cell) in &columns.numbers {
+        let value = quantity.of(grasp);
+        put(cell.right(), quantities::cell(quantity, value), font(BODY));
+        if let Some(value) = value.filter(|_| accepted && state.ranking_quantity() == Some(quantity)) {
+            // Under the number that ranks, a bar: how it compares with the best.
+            let left = cell.right() - BAR;
+            let right = left + BAR * (value / best).max(0.0).min(1.0) as f32;
+            let bar = Rect::from_min_max(pos2(left, rect.bottom() - 5.0), pos2(right, rect.bottom() - 2.5));
+            painter.rect_filled(bar, 1.25, tokens.teal);
+        }
     }
-    let solutions = grasp.goal.as_ref().or(grasp.start.as_ref());
-    put(columns.solutions, solutions.map_or("–".to_owned(), |set| set.ik_count.to_string()), font(BODY));
-    put(
-        columns.epsilon,
-        if grasp.contacts.is_empty() { "–".to_owned() } else { format!("{:.2}", grasp.epsilon) },
-        font(BODY),
-    );
     let why = format::why(grasp, state.outputs.X_WO_start());
     let color = if accepted { tokens.text } else { tokens.coral };
     let galley = elided(ui, &why, font(SECONDARY), color, columns.why.width());
@@ -168,8 +169,4 @@ fn row(ui: &mut Ui, state: &ViewerState, grasp: &Grasp, best: f64, out: &mut Out
     if response.double_clicked() && accepted {
         out.push(Command::PlanWithGrasp(Some(grasp.id)));
     }
-}
-
-fn m_g(situated: &Option<Situated>) -> Option<f64> {
-    situated.as_ref().filter(|situated| situated.ik_count > 0).map(|situated| situated.m_g)
 }

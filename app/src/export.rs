@@ -1,0 +1,42 @@
+//! Ranked grasps as files for other programs, with the robots inside the program.
+
+use endcomfort_core::grasp::{ExportFormat, Grasp, GraspExport, StraightWays};
+use endcomfort_core::job::{DroppedCloud, GraspsOutput};
+use endcomfort_core::scene::Scene;
+use endcomfort_core::task::MotionSettings;
+
+use crate::assets;
+
+/// The grasps of a scene, ranked, as text of a format.
+///
+/// # Errors
+/// A sentence when the scene's robot or its arm does not exist.
+pub fn export_grasps(
+    scene: &Scene,
+    cloud: Option<&DroppedCloud>,
+    found: &GraspsOutput,
+    ranked: &[Grasp],
+    format: ExportFormat,
+) -> Result<String, String> {
+    let robot = assets::library().robot(&scene.robot).map_err(|error| error.to_string())?;
+    let arm_name = scene.arm.name();
+    let arm = robot.arm(arm_name).ok_or_else(|| format!("{} has no {arm_name} arm", scene.robot))?;
+    // What a dropped file shows has no other name than the file's.
+    let object = cloud.map_or_else(|| scene.objects[scene.task.object()].object.as_str(), |cloud| &cloud.name);
+    let motion = MotionSettings::default();
+    let export = GraspExport {
+        grasps: ranked,
+        robot: &robot,
+        arm,
+        object,
+        X_WO_start: found.X_WO_start,
+        X_WO_goal: found.X_WO_goal,
+        ranked_by: scene.rank.by.quantity(found.X_WO_goal.is_some()),
+        ways: StraightWays {
+            approach_m: motion.approach_m,
+            min_approach_m: motion.min_approach_m,
+            lift_m: motion.lift_m,
+        },
+    };
+    Ok(export.text(format))
+}

@@ -1,0 +1,536 @@
+//! One interface for the inverse kinematics of every arm.
+
+use std::fmt;
+
+use nalgebra::Isometry3;
+
+use super::numeric::NumericArm;
+use super::{IkReject, IkSet, NotSrs, SrsArm};
+use crate::robot::{Arm, Chain, ChainError, JointKind, JointLimit, Robot};
+
+/// Arm angles at which a first solution is looked for.
+const FIRST_ANGLES: usize = 36;
+/// Positions of each joint before an S-R-S arm, besides the present one.
+pub const EXTRA_SAMPLES: usize = 5;
+/// Most joints before an S-R-S arm that are sampled; a longer chain is solved numerically.
+const MAX_EXTRA: usize = 2;
+
+/// The inverse kinematics of an arm: closed form where the arm allows it, numeric where it does not.
+///
+/// Postures are joint vectors in the order of [`Arm::dofs`], as long as that list.
+#[derive(Clone, Debug)]
+pub struct ArmIk {
+    kind: Kind,
+    limits: Vec<JointLimit>,
+    names: Vec<String>,
+}
+
+#[derive(Clone, Debug)]
+enum Kind {
+    /// Seven joints in closed form.
+    Srs(Box<SrsArm>),
+    /// Joints that are sampled, then seven in closed form.
+    Led { lead: Box<Chain>, srs: Box<SrsArm>, samples: usize },
+    /// Step by step.
+    Numeric { arm: Box<NumericArm>, because: NotSrs },
+}
+
+/// How an arm is solved.
+#[derive(Clone, Debug, PartialEq)]
+pub enum IkMethod {
+    /// Closed form over the arm angle.
+    ClosedForm,
+    /// The first joints at a number of positions each, the other seven in closed form.
+    Sampled { joints: usize, samples: usize },
+    /// Damped least squares from many starts, because the arm is not of the S-R-S kind.
+    Numeric { because: NotSrs },
+}
+
+impl fmt::Display for IkMethod {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::ClosedForm => write!(f, "closed form (S-R-S)"),
+            Self::Sampled { joints: 1, samples } => {
+                write!(f, "closed form (S-R-S), first joint at {samples} positions")
+            }
+            Self::Sampled { joints, samples } => {
+                write!(f, "closed form (S-R-S), first {joints} joints at {samples} positions each")
+            }
+            Self::Numeric { because } => write!(f, "numeric, since the arm is not S-R-S: {because}"),
+        }
+    }
+}
+
+/// Postures of one hand pose, and why there are no more.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Postures {
+    dofs: usize,
+    values: Vec<f64>,
+    /// One reason for each branch that is no solution, or one for the whole pose.
+    pub rejected: Vec<IkReject>,
+}
+
+impl Postures {
+    /// The postures, each with one value per joint of the arm, within the limits.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &[f64]> {
+        self.values.chunks_exact(self.dofs.max(1))
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.iter().len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.values.is_empty()
+    }
+}
+
+impl ArmIk {
+    /// The arm with its hand frame H as the tip.
+    ///
+    /// # Errors
+    /// [`ChainError`] when the joints of the arm are not those that move its hand.
+    pub fn of(robot: &Robot, arm: &Arm) -> Result<Self, ChainError> {
+        let chain = Chain::between(robot, arm.base_link, arm.hand.tcp_link)?;
+        let one_sided = |a: &[usize], b: &[usize]| a.iter().find(|dof| !b.contains(dof)).copied();
+        if let Some(dof) = one_sided(&arm.dofs, chain.dofs()).or_else(|| one_sided(chain.dofs(), &arm.dofs)) {
+            let joint = robot.joints[robot.dof_joints[dof]].name.clone();
+            let tip = robot.links[arm.hand.tcp_link].name.clone();
+            return Err(ChainError::OtherJoints { arm: arm.name.clone(), joint, tip });
+        }
+        Ok(Self::solving(robot, chain, arm.base_link, arm.hand.tcp_link))
+    }
+
+    /// All joints between two links; the tip's frame is the hand frame H, the base's frame is B.
+    ///
+    /// # Errors
+    /// [`ChainError`] when the tip does not descend from the base or nothing moves between them.
+    pub fn between(robot: &Robot, base_link: usize, tip_link: usize) -> Result<Self, ChainError> {
+        Ok(Self::solving(robot, Chain::between(robot, base_link, tip_link)?, base_link, tip_link))
+    }
+
+    fn solving(robot: &Robot, chain: Chain, base_link: usize, tip_link: usize) -> Self {
+        let (limits, names) = (chain.limits().to_vec(), chain.joint_names().to_vec());
+        let kind = match SrsArm::between(robot, base_link, tip_link) {
+            Ok(srs) => Kind::Srs(Box::new(srs)),
+            Err(because) => led(robot, base_link, tip_link).unwrap_or_else(|seven| Kind::Numeric {
+                arm: Box::new(NumericArm::new(robot, chain)),
+                because: seven.unwrap_or(because),
+            }),
+        };
+        Self { kind, limits, names }
+    }
+
+    /// The same with another number of positions for each joint before an S-R-S arm, besides the present one.
+    pub fn with_samples(mut self, count: usize) -> Self {
+        if let Kind::Led { samples, .. } = &mut self.kind {
+            *samples = count;
+        }
+        self
+    }
+
+    /// The same with another seed of the numeric starts.
+    pub fn with_seed(mut self, seed: u64) -> Self {
+        self.kind = match self.kind {
+            Kind::Numeric { arm, because } => Kind::Numeric { arm: Box::new(arm.with_seed(seed)), because },
+            other => other,
+        };
+        self
+    }
+
+    /// How the arm is solved.
+    pub fn method(&self) -> IkMethod {
+        match &self.kind {
+            Kind::Srs(_) => IkMethod::ClosedForm,
+            Kind::Led { lead, samples, .. } => IkMethod::Sampled { joints: lead.dofs().len(), samples: samples + 1 },
+            Kind::Numeric { because, .. } => IkMethod::Numeric { because: because.clone() },
+        }
+    }
+
+    /// The arm itself when it is solved in closed form without extra joints.
+    pub fn closed_form(&self) -> Option<&SrsArm> {
+        if let Kind::Srs(srs) = &self.kind { Some(srs) } else { None }
+    }
+
+    /// Limits of the joints.
+    pub fn limits(&self) -> &[JointLimit] {
+        &self.limits
+    }
+
+    /// Names of the joints.
+    pub fn joint_names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Postures that bring the hand to a pose.
+    ///
+    /// * `X_BH`: hand frame H in the frame B of the arm's base link.
+    /// * `q_now`: the present joints; extra joints stand there first, numeric descents start there first.
+    /// * `arm_angles`: arm angles over a full turn at which all branches are solved; starts of a numeric arm.
+    pub fn set(&self, X_BH: &Isometry3<f64>, q_now: &[f64], arm_angles: usize) -> Postures {
+        let mut postures = Postures { dofs: self.limits.len(), ..Postures::default() };
+        let mut found = IkSet::default();
+        match &self.kind {
+            Kind::Srs(srs) => {
+                srs.sweep_into(X_BH, arm_angles, &mut found);
+                found.solutions.iter().for_each(|solution| postures.values.extend(solution.q));
+                postures.rejected = found.rejected;
+            }
+            Kind::Led { lead, srs, samples } => {
+                for_each_sample(lead.limits(), &q_now[..lead.dofs().len()], *samples, |extra| {
+                    found.clear();
+                    srs.sweep_into(&lead.tip(extra).inv_mul(X_BH), arm_angles, &mut found);
+                    for solution in &found.solutions {
+                        postures.values.extend(extra.iter().chain(&solution.q));
+                    }
+                    postures.rejected.append(&mut found.rejected);
+                    true
+                });
+                keep_least_gaps(&mut postures.rejected);
+            }
+            Kind::Numeric { arm, .. } => {
+                let values = &mut postures.values;
+                postures.rejected.extend(arm.set(X_BH, q_now, arm_angles, |q| values.extend(q)).err());
+            }
+        }
+        postures
+    }
+
+    /// One posture that brings the hand to a pose, or the reason why none was found.
+    ///
+    /// # Errors
+    /// [`IkReject`]: of all branches the most frequent reason.
+    pub fn first(&self, X_BH: &Isometry3<f64>, q_now: &[f64]) -> Result<Vec<f64>, IkReject> {
+        match &self.kind {
+            Kind::Srs(srs) => srs.first(X_BH).map(|q| q.to_vec()),
+            Kind::Led { lead, srs, samples } => {
+                let mut answer = Err(Vec::new());
+                for_each_sample(lead.limits(), &q_now[..lead.dofs().len()], *samples, |extra| {
+                    match (srs.first(&lead.tip(extra).inv_mul(X_BH)), &mut answer) {
+                        (Ok(q), _) => answer = Ok(extra.iter().chain(&q).copied().collect()),
+                        (Err(reject), Err(rejected)) => rejected.push(reject),
+                        (Err(_), Ok(_)) => {}
+                    }
+                    answer.is_err()
+                });
+                answer.map_err(|mut rejected| {
+                    keep_least_gaps(&mut rejected);
+                    most_frequent(&rejected)
+                })
+            }
+            Kind::Numeric { arm, .. } => arm.first(X_BH, q_now),
+        }
+    }
+
+    /// The posture for a hand pose that is nearest to another one, for straight ways: extra joints stay where they are.
+    pub fn near(&self, X_BH: &Isometry3<f64>, near: &[f64]) -> Option<Vec<f64>> {
+        match &self.kind {
+            Kind::Srs(srs) => Some(srs.near(X_BH, near.try_into().ok()?)?.to_vec()),
+            Kind::Led { lead, srs, .. } => {
+                let (extra, seven) = near.split_at_checked(lead.dofs().len())?;
+                let q = srs.near(&lead.tip(extra).inv_mul(X_BH), seven.try_into().ok()?)?;
+                Some(extra.iter().chain(&q).copied().collect())
+            }
+            Kind::Numeric { arm, .. } => arm.near(X_BH, near),
+        }
+    }
+
+    /// Distance by which a pose misses the reach of the arm, metres; 0 when it is within. Extra joints stand at `q_now`
+    /// or one of their samples; of a numeric arm it is the length that even all its segments in one line do not have.
+    pub fn reach_gap_m(&self, X_BH: &Isometry3<f64>, q_now: &[f64]) -> f64 {
+        match &self.kind {
+            Kind::Srs(srs) => srs.reach_gap_m(X_BH),
+            Kind::Led { lead, srs, samples } => {
+                let mut least = f64::INFINITY;
+                for_each_sample(lead.limits(), &q_now[..lead.dofs().len()], *samples, |extra| {
+                    least = least.min(srs.reach_gap_m(&lead.tip(extra).inv_mul(X_BH)));
+                    least > 0.0
+                });
+                least
+            }
+            Kind::Numeric { arm, .. } => arm.reach_gap_m(X_BH),
+        }
+    }
+}
+
+impl SrsArm {
+    /// The first solution over the arm angles, or the most frequent reason.
+    fn first(&self, X_BH: &Isometry3<f64>) -> Result<[f64; 7], IkReject> {
+        let mut found = IkSet::default();
+        // The middle angle first: nothing but one solve where that has a solution.
+        self.solve_into(X_BH, 0.0, &mut found);
+        if found.solutions.is_empty() {
+            self.sweep_into(X_BH, FIRST_ANGLES, &mut found);
+        }
+        found.solutions.first().map_or_else(|| Err(most_frequent(&found.rejected)), |solution| Ok(solution.q))
+    }
+}
+
+/// Splits a chain into at most [`MAX_EXTRA`] joints and an S-R-S arm of the last seven; else why the seven are none.
+fn led(robot: &Robot, base_link: usize, tip_link: usize) -> Result<Kind, Option<NotSrs>> {
+    let moving = |joint: &usize| robot.joints[*joint].kind != JointKind::Fixed;
+    let joints: Vec<usize> = robot.chain(base_link, tip_link).unwrap_or_default().into_iter().filter(moving).collect();
+    let Some(extra) = joints.len().checked_sub(7).filter(|extra| (1..=MAX_EXTRA).contains(extra)) else {
+        return Err(None);
+    };
+    let shoulder_link = robot.joints[joints[extra - 1]].child;
+    let srs = SrsArm::between(robot, shoulder_link, tip_link).map_err(Some)?;
+    let lead = Chain::between(robot, base_link, shoulder_link).map_err(|_| None)?;
+    // A joint that copies one of the arm's cannot be sampled by itself.
+    let own = joints[..extra].iter().all(|&joint| robot.joints[joint].dof.is_some());
+    if !own {
+        return Err(None);
+    }
+    Ok(Kind::Led { lead: Box::new(lead), srs: Box::new(srs), samples: EXTRA_SAMPLES })
+}
+
+/// All combinations of positions of the extra joints until told to stop: the present ones first, then `samples` each,
+/// evenly over the limits.
+fn for_each_sample(limits: &[JointLimit], now: &[f64], samples: usize, mut go_on: impl FnMut(&[f64]) -> bool) {
+    if !go_on(now) {
+        return;
+    }
+    let count = samples.pow(limits.len() as u32);
+    for index in 0..count {
+        let mut rest = index;
+        let position = |limit: &JointLimit| {
+            let step = rest % samples;
+            rest /= samples;
+            // Middles of equal parts, so that no sample stands at a stop.
+            limit.lower + (limit.upper - limit.lower) * (step as f64 + 0.5) / samples as f64
+        };
+        let extra: Vec<f64> = limits.iter().map(position).collect();
+        let is_present = extra.iter().zip(now).all(|(a, b)| (a - b).abs() < 1e-9);
+        if !is_present && !go_on(&extra) {
+            return;
+        }
+    }
+}
+
+/// Of the gaps at several positions of the extra joints only the least counts.
+fn keep_least_gaps(rejected: &mut Vec<IkReject>) {
+    let gap = |reject: &IkReject| match reject {
+        IkReject::OutOfReach { gap_m } | IkReject::TooClose { gap_m } => Some(*gap_m),
+        _ => None,
+    };
+    let least = rejected.iter().filter(|reject| gap(reject).is_some()).copied();
+    let least = least.min_by(|l, r| gap(l).unwrap_or(0.0).total_cmp(&gap(r).unwrap_or(0.0)));
+    rejected.retain(|reject| gap(reject).is_none());
+    rejected.extend(least);
+}
+
+/// The reason that occurs most often, the first of equals.
+fn most_frequent(rejected: &[IkReject]) -> IkReject {
+    let same = |l: &IkReject, r: &IkReject| l.reason() == r.reason();
+    let count = |reject: &IkReject| rejected.iter().filter(|other| same(other, reject)).count();
+    // The last of equal maxima is taken, hence the reversed order.
+    let most = rejected.iter().rev().max_by_key(|reject| count(reject)).copied();
+    most.unwrap_or(IkReject::Stalled { gap_m: f64::INFINITY, gap_rad: f64::INFINITY })
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+
+    use super::*;
+    use crate::rng::Rng;
+    use crate::robot::{read_urdf, samples};
+
+    /// A chain of hinges: origin and axis of each joint, limits ±`limit`, and the length of the tool.
+    fn hinges(joints: &[([f64; 3], [f64; 3])], limit: f64, tool: [f64; 3]) -> Robot {
+        let mut urdf = String::from("<robot name='hinges'><link name='l0'/><link name='tip'/>");
+        let text = |v: &[f64; 3]| format!("{} {} {}", v[0], v[1], v[2]);
+        for (i, (origin, axis)) in joints.iter().enumerate() {
+            urdf += &format!(
+                "<link name='l{n}'/><joint name='j{n}' type='revolute'><parent link='l{i}'/><child link='l{n}'/>\
+                 <origin xyz='{}'/><axis xyz='{}'/><limit lower='-{limit}' upper='{limit}' velocity='1'/></joint>",
+                text(origin),
+                text(axis),
+                n = i + 1,
+            );
+        }
+        urdf += &format!(
+            "<joint name='tool' type='fixed'><parent link='l{}'/><child link='tip'/><origin xyz='{}'/></joint></robot>",
+            joints.len(),
+            text(&tool),
+        );
+        read_urdf(&urdf, &|_| None).unwrap().value
+    }
+
+    const X: [f64; 3] = [1.0, 0.0, 0.0];
+    const Y: [f64; 3] = [0.0, 1.0, 0.0];
+    const Z: [f64; 3] = [0.0, 0.0, 1.0];
+
+    /// Six joints with the offsets of a common light arm: no ball at the wrist.
+    fn six(limit: f64) -> Robot {
+        let joints = [
+            ([0.0, 0.0, 0.09], Z),
+            ([0.0, 0.136, 0.0], Y),
+            ([0.0, -0.12, 0.425], Y),
+            ([0.0, 0.0, 0.392], Y),
+            ([0.0, 0.093, 0.0], Z),
+            ([0.0, 0.0, 0.095], Y),
+        ];
+        hinges(&joints, limit, [0.0, 0.082, 0.0])
+    }
+
+    /// Seven joints, the elbow's axis 5 cm beside the line of the segments.
+    fn offset_elbow() -> Robot {
+        let joints = [
+            ([0.0, 0.0, 0.3], Z),
+            ([0.0, 0.0, 0.0], Y),
+            ([0.0, 0.0, 0.3], Z),
+            ([0.05, 0.0, 0.0], Y),
+            ([-0.05, 0.0, 0.3], Z),
+            ([0.0, 0.0, 0.0], Y),
+            ([0.0, 0.0, 0.1], X),
+        ];
+        hinges(&joints, 2.4, [0.0, 0.0, 0.1])
+    }
+
+    fn arms() -> Vec<(&'static str, ArmIk, Chain)> {
+        let mut arms = Vec::new();
+        let mut add = |name, robot: &Robot, base, tip| {
+            arms.push((name, ArmIk::between(robot, base, tip).unwrap(), Chain::between(robot, base, tip).unwrap()));
+        };
+        let crichton = samples::crichton();
+        let left = &crichton.arms[0];
+        add("crichton", &crichton, left.base_link, left.hand.tcp_link);
+        add("torso", &crichton, crichton.arm_with_torso(left).base_link, left.hand.tcp_link);
+        for (name, robot) in [("six", six(3.1)), ("offset elbow", offset_elbow())] {
+            let tip = robot.link_index("tip").unwrap();
+            add(name, &robot, 0, tip);
+        }
+        arms
+    }
+
+    fn random(ik: &ArmIk, rng: &mut Rng) -> Vec<f64> {
+        ik.limits().iter().map(|limit| rng.uniform(limit.lower, limit.upper)).collect()
+    }
+
+    fn assert_reaches(name: &str, ik: &ArmIk, chain: &Chain, q: &[f64], X_BH: &Isometry3<f64>) {
+        let found = chain.tip(q);
+        let off_m = (found.translation.vector - X_BH.translation.vector).norm();
+        let off_rad = 2.0 * found.rotation.rotation_to(&X_BH.rotation).imag().norm();
+        assert!(off_m < 1e-9 && off_rad < 1e-9, "{name}: {off_m} m, {off_rad} rad at {q:?}");
+        assert_eq!(q.len(), ik.limits().len());
+        for (value, limit) in q.iter().zip(ik.limits()) {
+            assert!((limit.lower..=limit.upper).contains(value), "{name}: {q:?}");
+        }
+    }
+
+    #[test]
+    fn every_kind_of_arm_answers_alike() {
+        for (name, ik, chain) in arms() {
+            let mut rng = Rng::new(21, 0);
+            let mut missed = 0;
+            for _ in 0..200 {
+                let q = random(&ik, &mut rng);
+                let X_BH = chain.tip(&q);
+                assert_eq!(ik.reach_gap_m(&X_BH, &q), 0.0, "{name}");
+                let set = ik.set(&X_BH, &q, 12);
+                assert!(!set.is_empty(), "{name}: the posture itself is an answer: {q:?}, {:?}", set.rejected);
+                set.iter().for_each(|found| assert_reaches(name, &ik, &chain, found, &X_BH));
+                let near = ik.near(&X_BH, &q).expect("the posture itself is near");
+                assert_reaches(name, &ik, &chain, &near, &X_BH);
+                assert!(near.iter().zip(&q).all(|(a, b)| (a - b).abs() < 1e-5), "{name}: {near:?} for {q:?}");
+                // From a posture that knows nothing of the answer.
+                match ik.first(&X_BH, &vec![0.1; q.len()]) {
+                    Ok(first) => assert_reaches(name, &ik, &chain, &first, &X_BH),
+                    Err(_) => missed += 1,
+                }
+            }
+            // 36 arm angles may all lie beside a narrow feasible arc, and six torso positions beside a narrow range.
+            let allowed = match ik.method() {
+                IkMethod::ClosedForm => 4,
+                IkMethod::Sampled { .. } => 20,
+                IkMethod::Numeric { .. } => 0,
+            };
+            assert!(missed <= allowed, "{name}: {missed} of 200 poses missed");
+        }
+    }
+
+    #[test]
+    fn the_method_follows_from_the_arm() {
+        let methods: Vec<String> = arms().iter().map(|(_, ik, _)| ik.method().to_string()).collect();
+        assert_eq!(methods[0], "closed form (S-R-S)");
+        assert_eq!(methods[1], "closed form (S-R-S), first joint at 6 positions");
+        assert!(methods[2].starts_with("numeric, since the arm is not S-R-S: 6 joints between"), "{}", methods[2]);
+        assert!(methods[3].contains("miss each other"), "{}", methods[3]);
+    }
+
+    #[test]
+    fn a_torso_stands_still_first_and_is_sampled_within_its_limits() {
+        let (_, ik, chain) = arms().swap_remove(1);
+        let q = [0.3, 0.5, -0.7, 0.4, -1.2, 0.2, 0.9, 0.3];
+        let set = ik.clone().with_samples(4).set(&chain.tip(&q), &q, 24);
+        let mut stands: Vec<f64> = set.iter().map(|q| q[0]).collect();
+        stands.dedup();
+        assert_eq!(stands[0], 0.3);
+        assert!(stands.len() > 1 && stands.len() <= 5, "{stands:?}");
+        let alone = ik.with_samples(0).set(&chain.tip(&q), &q, 24);
+        assert!(!alone.is_empty() && alone.iter().all(|q| q[0] == 0.3));
+    }
+
+    #[test]
+    fn reasons_name_the_gap_or_the_joint() {
+        for (name, ik, chain) in arms() {
+            let q_now = vec![0.1; ik.limits().len()];
+            let mut far = chain.tip(&q_now);
+            far.translation.vector = Vector3::new(0.0, 0.0, 5.0);
+            let set = ik.set(&far, &q_now, 8);
+            assert!(set.is_empty() && set.rejected.len() == 1, "{name}: {:?}", set.rejected);
+            let text = ik.first(&far, &q_now).unwrap_err().to_string();
+            assert!(text.starts_with("out of reach by ") && text.ends_with(" cm"), "{name}: {text}");
+        }
+        // Straight up and 4 cm beyond what six joints in the needed rotation can do, still within the sum of segments.
+        let robot = six(3.1);
+        let ik = ArmIk::between(&robot, 0, robot.link_index("tip").unwrap()).unwrap();
+        let chain = Chain::between(&robot, 0, robot.link_index("tip").unwrap()).unwrap();
+        let mut X_BH = chain.tip(&[0.0; 6]);
+        X_BH.translation.vector.z += 0.04;
+        assert_eq!(ik.reach_gap_m(&X_BH, &[0.0; 6]), 0.0);
+        assert_eq!(ik.first(&X_BH, &[0.1; 6]).unwrap_err().to_string(), "out of reach by 4 cm");
+
+        // A planar arm, folded further than its second joint allows.
+        let planar = |limit| hinges(&[([0.0; 3], Z), ([0.5, 0.0, 0.0], Z)], limit, [0.5, 0.0, 0.0]);
+        let tip = planar(1.0).link_index("tip").unwrap();
+        let free = Chain::between(&planar(3.1), 0, tip).unwrap();
+        let ik = ArmIk::between(&planar(2.0), 0, tip).unwrap();
+        match ik.first(&free.tip(&[0.3, 2.5]), &[0.0; 2]).unwrap_err() {
+            IkReject::JointLimit { joint: 1, value, .. } => assert!((value - 2.5).abs() < 1e-6, "{value}"),
+            other => panic!("{other}"),
+        }
+    }
+
+    #[test]
+    fn numeric_answers_repeat_and_differ_from_each_other() {
+        let (_, ik, chain) = arms().swap_remove(2);
+        let X_BH = chain.tip(&[0.4, -0.8, 1.1, 0.5, 0.9, -0.3]);
+        let set = ik.set(&X_BH, &[0.0; 6], 64);
+        assert_eq!(set, ik.set(&X_BH, &[0.0; 6], 64));
+        // Shoulder, elbow and wrist: up to eight postures, here at least four within the limits.
+        assert!((4..=16).contains(&set.len()), "{}", set.len());
+        let found: Vec<&[f64]> = set.iter().collect();
+        for (i, one) in found.iter().enumerate() {
+            for other in &found[i + 1..] {
+                assert!(one.iter().zip(*other).any(|(a, b)| (a - b).abs() > 1e-4));
+            }
+        }
+    }
+
+    #[test]
+    fn joints_that_are_not_the_arm_s_are_refused() {
+        let robot = samples::crichton();
+        let mut arm = robot.arms[0].clone();
+        arm.dofs.remove(2);
+        let error = ArmIk::of(&robot, &arm).unwrap_err().to_string();
+        assert!(error.contains("left_joint_3"), "{error}");
+        let longer = robot.with_torso(0);
+        let ik = ArmIk::of(&longer, &longer.arms[0]).unwrap();
+        assert_eq!(ik.joint_names()[0], "torso_joint");
+        assert_eq!(ik.limits().len(), 8);
+    }
+}
