@@ -44,7 +44,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     ui.spacing_mut().item_spacing.y = 0.0;
     section(ui, &name(state, grasp));
     if grasp.is_accepted() {
-        let _row = key_value(ui, "Hand", &format::why(grasp, state.outputs.X_WO_start()));
+        let _row = key_value(ui, "Approach", &format::why(grasp, state.outputs.X_WO_start()));
     } else {
         let _row = key_value_colored(ui, "Rejected", &grasp.status.reason(), tokens.coral);
     }
