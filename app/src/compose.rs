@@ -63,7 +63,7 @@ pub struct Composer {
     table: Option<([f64; 3], Arc<Mesh>)>,
     boxes: Vec<(Vector3<f64>, Arc<Mesh>)>,
     fits: Vec<(Superquadric, Arc<Mesh>)>,
-    links: Option<(*const Robot, Vec<Vec<Arc<Mesh>>>)>,
+    links: Option<(Arc<Robot>, Vec<Vec<Arc<Mesh>>>)>,
     cloud: Option<CloudCache>,
     glyphs: Option<grasps::Glyphs>,
 }
@@ -100,7 +100,9 @@ impl Composer {
         }
         self.add_grasps(&mut frame, input, &palette);
         grasps::add_filter(&mut frame, input, &palette);
-        if let Some(plan) = input.plan.filter(|_| input.layers.opacity(Layer::Path) > 0.0) {
+        // A plan for another robot or hand is still there until the new one comes.
+        let is_its = |plan: &&Plan| plan.q_start.len() == input.robot.dof_count();
+        if let Some(plan) = input.plan.filter(is_its).filter(|_| input.layers.opacity(Layer::Path) > 0.0) {
             add_path(&mut frame, plan, input, &palette);
         }
         frame
@@ -145,14 +147,14 @@ impl Composer {
     }
 
     fn link_meshes(&mut self, robot: &Arc<Robot>) -> &[Vec<Arc<Mesh>>] {
-        let key = Arc::as_ptr(robot);
-        if self.links.as_ref().is_none_or(|(known, _)| *known != key) {
+        // Held, not only its address: another robot may come to stand at the address of one that is gone.
+        if self.links.as_ref().is_none_or(|(known, _)| !Arc::ptr_eq(known, robot)) {
             let meshes = robot
                 .links
                 .iter()
                 .map(|link| link.visuals.iter().map(|visual| shapes::geometry_mesh(&visual.geometry)).collect())
                 .collect();
-            self.links = Some((key, meshes));
+            self.links = Some((robot.clone(), meshes));
         }
         self.links.as_ref().map_or(&[], |(_, meshes)| meshes)
     }

@@ -6,6 +6,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 
 use crate::assets;
 use crate::clock::stopwatch;
+use endcomfort_core::grasp::Quality;
 use endcomfort_core::job::{Output, Refusal, Request, Stage, Update};
 use endcomfort_core::pipeline::Pipeline;
 use endcomfort_core::watch::Watch;
@@ -76,7 +77,14 @@ pub fn run_as_far_as_possible(request: &Request, last: Stage) -> (Vec<Output>, O
     let (mut outputs, mut refused) = (Vec::new(), None);
     let mut pipeline = Pipeline::new(assets::library());
     run(&mut pipeline, &Request { last, ..request.clone() }, &|| false, &mut |update| match update {
-        Update::Done { output, .. } => outputs.push(*output),
+        Update::Done { output, .. } => match *output {
+            Output::Quality(qualities) => outputs.iter_mut().for_each(|known| {
+                if let Output::Rank(ranked) = known {
+                    Quality::put_all(&qualities, &mut ranked.grasps);
+                }
+            }),
+            output => outputs.push(output),
+        },
         Update::Refused { refusal, .. } => refused = Some(refusal),
         Update::Progress { .. } | Update::Finished { .. } => {}
     });

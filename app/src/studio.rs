@@ -50,7 +50,7 @@ impl Studio for BuiltInStudio {
     }
 
     fn compose(&mut self, input: &ComposeInput<'_>) -> Picture {
-        let robot = match assets::library().robot(&input.scene.robot) {
+        let robot = match assets::library().robot_of(input.scene) {
             Ok(robot) => robot,
             Err(error) => {
                 log::error!("{error}");

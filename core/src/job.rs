@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::cloud::PointCloud;
 use crate::fit::{Fit, ObjectiveKind};
-use crate::grasp::Grasp;
+use crate::grasp::{Grasp, Quality};
 use crate::scene::Scene;
 use crate::segment::{Plane, PointFate};
 use crate::superquadric::Superquadric;
@@ -122,6 +122,8 @@ pub enum Output {
     Plan(Box<Plan>),
     /// One of the fits of [`Request::compare`]; not a stage.
     Objective(Box<ObjectiveFit>),
+    /// Qualities of the accepted grasps of [`Output::Rank`], once the plan stands; not a stage.
+    Quality(Vec<Quality>),
 }
 
 /// The cloud that the robot sees.

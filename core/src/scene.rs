@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::fit::FitSettings;
 use crate::grasp::{GraspSettings, RankSettings};
+use crate::robot::{HandDescription, HandError};
 use crate::segment::SegmentSettings;
 
 /// Version of the format that this program writes.
@@ -54,6 +55,9 @@ pub struct Scene {
     /// Whether a joint between the robot's base and its arms (Crichton's torso) moves with the arm.
     #[serde(default)]
     pub torso: bool,
+    /// A hand of the user's own at the acting arm, instead of the robot's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hand: Option<HandDescription>,
 }
 
 /// Which arm acts.
@@ -147,6 +151,9 @@ pub enum SceneError {
     /// A number outside its range.
     #[error("{place}: found {found}, wanted {wanted}")]
     Value { place: String, found: String, wanted: String },
+    /// Its hand.
+    #[error("hand: {0}")]
+    Hand(#[from] HandError),
 }
 
 /// Largest number of objects or obstacles in a scene.
@@ -174,6 +181,14 @@ impl Scene {
         let apart = |placed: &PlacedObject| (placed.X_WO.translation.vector.xy() - X_WS.translation.vector.xy()).norm();
         let near = self.objects.iter().filter(|placed| apart(placed) < SAME_OBJECT_M);
         near.min_by(|l, r| apart(l).total_cmp(&apart(r)))
+    }
+
+    /// Gives the acting arm a hand of the user's own, and the contacts its friction where that is known.
+    pub fn set_hand(&mut self, hand: HandDescription) {
+        if let Some(friction) = hand.friction {
+            self.grasp.friction = friction;
+        }
+        self.hand = Some(hand);
     }
 
     /// Reads a scene from JSON and checks it; rotations are brought to unit length.
@@ -229,6 +244,9 @@ impl Scene {
             "0 or more".into(),
         )?;
         self.check_grasping()?;
+        if let Some(hand) = &self.hand {
+            hand.check()?;
+        }
         Ok(self)
     }
 

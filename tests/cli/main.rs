@@ -340,6 +340,75 @@ fn objects_are_compared_with_and_without_mirroring() {
 }
 
 #[test]
+fn grasps_are_prioritized_on_one_robot() {
+    let cases = scratch("cases.csv");
+    let file = cases.to_string_lossy().into_owned();
+    let args = ["experiment", "prioritization", "--trials", "1", "--robot", "alita", "--json", "--cases", &file];
+    let rows = json(&args);
+    assert_eq!(rows.len(), 12);
+    for row in &rows {
+        assert_eq!((&row["robot"], &row["trials"]), (&Value::from("alita"), &Value::from(1)));
+        has_keys(row, &["condition", "metric", "success", "success_percent", "success_low_percent", "tried_mean"]);
+        has_keys(row, &["grasps_accepted_mean", "excluded", "excluded_path"]);
+        let is_the_thesis_s = matches!(row["metric"].as_str(), Some("goal" | "start" | "mean"));
+        assert_eq!(row.get("thesis_success").is_some(), is_the_thesis_s);
+    }
+    let cases = std::fs::read_to_string(&cases).unwrap();
+    assert!(cases.lines().count() > 12 && cases.starts_with("experiment,condition,robot,case,arm,object"), "{cases}");
+    for (args, wanted) in [
+        (vec!["experiment", "prioritization", "--robot", "hal"], "no robot \"hal\""),
+        (vec!["experiment", "prioritization", "--views", "."], "--views: experiment prioritization has no use"),
+        (vec!["experiment", "visibility", "--robot", "alita"], "--robot: experiment visibility has no use"),
+    ] {
+        let output = endcomfort(&args);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{args:?}: {said}");
+        assert!(said.contains(wanted), "{args:?}: {said} should say {wanted}");
+    }
+}
+
+#[test]
+fn grasps_and_plans_are_made_with_a_hand_of_ones_own() {
+    let hand = |name: &str| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots/hands").join(name);
+        path.to_string_lossy().into_owned()
+    };
+    let args = ["grasps", "tomato_soup_can", "--robot", "alita", "--arm", "right", "--json"];
+    let own = json(&args);
+    let told = |name: &str| json(&[&args[..], &["--hand", &hand(name)]].concat());
+    let without_times = |rows: &[Value]| {
+        let strip = |row: &Value| {
+            let mut row = row.clone();
+            row.as_object_mut().unwrap().remove("elapsed_ms");
+            row
+        };
+        rows.iter().map(strip).collect::<Vec<_>>()
+    };
+    assert_eq!(without_times(&told("pg70.json")), without_times(&own), "the built-in hand, described");
+    let adaptive = told("adaptive.json");
+    assert!(adaptive.iter().filter(|row| row["status"] == "accepted").count() >= 10, "{adaptive:?}");
+    assert_ne!(without_times(&adaptive), without_times(&own));
+
+    // The same hand with its URDF in a file beside it, and one that is wrong.
+    let mut description: Value =
+        serde_json::from_str(&std::fs::read_to_string(hand("adaptive.json")).unwrap()).unwrap();
+    let lines: Vec<String> = serde_json::from_value(description["urdf"].clone()).unwrap();
+    let (file, urdf) = (scratch("hand.json"), scratch("hand.urdf"));
+    std::fs::write(&urdf, lines.join("\n")).unwrap();
+    description["urdf"] = urdf.file_name().unwrap().to_string_lossy().into_owned().into();
+    std::fs::write(&file, description.to_string()).unwrap();
+    let path = file.to_string_lossy().into_owned();
+    let plan = json(&["plan", "pick", "mustard", "--hand", &path, "--json"]);
+    assert!(!plan.is_empty());
+    description["palm_link"] = "hand".into();
+    std::fs::write(&file, description.to_string()).unwrap();
+    let output = endcomfort(&["grasps", "mustard", "--hand", &path]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(said.contains("hand.json: palm_link: the URDF has no link \"hand\"; it has adapter, palm"), "{said}");
+}
+
+#[test]
 fn grasp_options_reach_the_settings_and_the_rows_tell_every_quantity() {
     let rows = json(&[
         "grasps",

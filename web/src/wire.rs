@@ -74,6 +74,7 @@ mod tests {
             grasp: Default::default(),
             rank: Default::default(),
             torso: false,
+            hand: None,
         }
     }
 

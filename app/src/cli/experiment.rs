@@ -1,4 +1,4 @@
-//! `experiment`: the thesis's tables on fitting, measured again.
+//! `experiment`: the thesis's tables, measured again. Those on fitting are here.
 
 use std::io::{IsTerminal as _, Write as _};
 use std::path::{Path, PathBuf};
@@ -6,7 +6,8 @@ use std::sync::Mutex;
 
 use clap::builder::PossibleValuesParser;
 use endcomfort_core::experiment::{
-    Experiment, ExperimentSettings, Outcome, Record, Row, Summary, csv, household_views, read_trials, run_experiment,
+    Experiment, ExperimentSettings, GraspExperiment, Outcome, Record, Row, Summary, csv, household_views, read_trials,
+    run_experiment,
 };
 use endcomfort_core::object::HouseholdObject;
 use endcomfort_core::watch::Watch;
@@ -14,7 +15,7 @@ use endcomfort_core::watch::Watch;
 use super::pictures::write_pictures;
 use super::table::Table;
 use super::views::read_views;
-use super::{Common, Failure, input};
+use super::{Common, Failure, experiment_grasps, input};
 use crate::assets;
 use crate::clock::stopwatch;
 
@@ -24,42 +25,55 @@ const PROGRESS_MS: f64 = 500.0;
 #[derive(clap::Args)]
 pub(super) struct Args {
     /// Which experiment.
-    #[arg(value_parser = PossibleValuesParser::new(Experiment::ALL.map(possible_value)))]
+    #[arg(value_parser = PossibleValuesParser::new(possible_values()))]
     name: String,
-    /// Trials per condition; views per object for `objects`. Default: 500 for the thesis's tables, else 100, 3 views.
+    /// Trials per condition (and robot); views per object for `objects`. Default: as many as in the thesis's tables,
+    /// else 100, 3 views.
     #[arg(long)]
-    trials: Option<usize>,
+    pub(super) trials: Option<usize>,
     /// Shapes instead of random ones: one line `a b c e1 e2 tx ty tz gamma beta alpha` each, metres and radians.
     #[arg(long, conflicts_with = "trials")]
     trials_file: Option<PathBuf>,
     /// Folder of views (`NAME_view.json` beside its cloud) instead of the bundled objects seen by the robot's camera.
     #[arg(long)]
     views: Option<PathBuf>,
-    /// One fit after the other on one processor: gives times.
+    /// Only this robot, in the experiments on grasps; default: both.
     #[arg(long)]
-    serial: bool,
+    pub(super) robot: Option<String>,
+    /// Boxes that stand beside the object in each case (experiment `prioritization`).
+    #[arg(long)]
+    pub(super) clutter: Option<usize>,
+    /// One fit or case after the other on one processor: gives times.
+    #[arg(long)]
+    pub(super) serial: bool,
     /// File that receives the rows: .csv or .json.
     #[arg(long)]
-    out: Option<PathBuf>,
-    /// File that receives every single fit: .csv or .json.
-    #[arg(long)]
-    fits: Option<PathBuf>,
+    pub(super) out: Option<PathBuf>,
+    /// File that receives every single fit or case: .csv or .json.
+    #[arg(long, visible_alias = "cases")]
+    pub(super) fits: Option<PathBuf>,
     /// Folder that receives a picture of every view with its fits side by side, worst first (experiment `objects`).
     #[arg(long)]
     pictures: Option<PathBuf>,
 }
 
-fn possible_value(experiment: Experiment) -> clap::builder::PossibleValue {
-    clap::builder::PossibleValue::new(experiment.name()).help(experiment.about())
+fn possible_values() -> Vec<clap::builder::PossibleValue> {
+    let fits = Experiment::ALL.map(|experiment| (experiment.name(), experiment.about()));
+    let grasps = GraspExperiment::ALL.map(|experiment| (experiment.name(), experiment.about()));
+    let value = |(name, about)| clap::builder::PossibleValue::new(name).help(about);
+    fits.into_iter().chain(grasps).map(value).collect()
 }
 
 pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
-    let Some(experiment) = Experiment::ALL.into_iter().find(|experiment| experiment.name() == args.name) else {
-        return Err(Failure::new(format!("no experiment {:?}", args.name)));
-    };
     for file in [&args.out, &args.fits].into_iter().flatten() {
         format_of(file)?;
     }
+    if let Some(experiment) = GraspExperiment::ALL.into_iter().find(|experiment| experiment.name() == args.name) {
+        return experiment_grasps::run(experiment, args, common);
+    }
+    let Some(experiment) = Experiment::ALL.into_iter().find(|experiment| experiment.name() == args.name) else {
+        return Err(Failure::new(format!("no experiment {:?}", args.name)));
+    };
     let settings = settings(experiment, args, common)?;
     let elapsed_ms = stopwatch();
     let outcome = watched(&elapsed_ms, |watch| run_experiment(experiment, &settings, watch))
@@ -81,6 +95,18 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
     Ok(())
 }
 
+impl Args {
+    /// The options that only experiments on fitting take, those that were given.
+    pub(super) fn fitting_options(&self) -> Vec<&'static str> {
+        let given = [
+            ("--views", self.views.is_some()),
+            ("--pictures", self.pictures.is_some()),
+            ("--trials-file", self.trials_file.is_some()),
+        ];
+        given.into_iter().filter(|(_, is_given)| *is_given).map(|(option, _)| option).collect()
+    }
+}
+
 fn settings(experiment: Experiment, args: &Args, common: &Common) -> Result<ExperimentSettings, Failure> {
     let refuse = |option: &str, takers: &str| {
         Err(Failure::new(format!("{option}: experiment {} has no use for it, {takers}", experiment.name())))
@@ -93,6 +119,12 @@ fn settings(experiment: Experiment, args: &Args, common: &Common) -> Result<Expe
     }
     if args.trials_file.is_some() && !experiment.takes_shapes() {
         return refuse("--trials-file", "its trials are views of objects");
+    }
+    if args.robot.is_some() {
+        return refuse("--robot", "it has no robot");
+    }
+    if args.clutter.is_some() {
+        return refuse("--clutter", "nothing is planned");
     }
     let shapes = args.trials_file.as_deref().map(shapes_of).transpose()?;
     let trials = args.trials.unwrap_or(experiment.default_trials());
@@ -129,7 +161,7 @@ fn bundled_objects() -> Result<Vec<HouseholdObject>, Failure> {
 /// Runs the work and shows on standard error how far it is: in place on a terminal, a line per tenth elsewhere.
 ///
 /// Nothing is written before the work is done, so interrupting it leaves no half-written file.
-fn watched<R>(elapsed_ms: &(impl Fn() -> f64 + Sync), work: impl FnOnce(Watch<'_>) -> R) -> R {
+pub(super) fn watched<R>(elapsed_ms: &(impl Fn() -> f64 + Sync), work: impl FnOnce(Watch<'_>) -> R) -> R {
     let is_terminal = std::io::stderr().is_terminal();
     let shown = Mutex::new((f64::NEG_INFINITY, 0));
     let progress = |fraction: f64, note: &str| {
@@ -167,7 +199,7 @@ fn format_of(file: &Path) -> Result<Format, Failure> {
 }
 
 /// Writes a table in one go: first beside the file, then in its place.
-fn write_records<R: Record>(file: &Path, records: &[R]) -> Result<(), Failure> {
+pub(super) fn write_records<R: Record>(file: &Path, records: &[R]) -> Result<(), Failure> {
     let text = match format_of(file)? {
         Format::Csv => csv(records),
         Format::Json => {
@@ -290,7 +322,7 @@ fn table(rows: &[Row]) -> Table {
 }
 
 /// Three significant digits of a number of everyday size.
-fn digits(x: f64) -> String {
+pub(super) fn digits(x: f64) -> String {
     match x.abs() {
         size if size >= 1e5 => format!("{x:.1e}"),
         size if size >= 100.0 => format!("{x:.0}"),

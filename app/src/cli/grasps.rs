@@ -27,6 +27,9 @@ pub(super) struct Args {
     /// Goal of the object: x,y,z in metres, optionally followed by a rotation qx,qy,qz,qw.
     #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
     place: Option<Vec<f64>>,
+    /// A hand of your own at the acting arm: a hand description (.json).
+    #[arg(long)]
+    hand: Option<PathBuf>,
     /// Prints only the first N.
     #[arg(long)]
     top: Option<usize>,
@@ -48,6 +51,9 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
     };
     if let Some(arm) = args.arm {
         request.scene.arm = arm.into();
+    }
+    if let Some(file) = &args.hand {
+        request.scene.set_hand(input::hand(file)?);
     }
     if let Some(goal) = goal(args)? {
         request.scene.task = Task::PickAndPlace { object: request.scene.task.object(), X_WO_goal: goal };

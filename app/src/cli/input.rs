@@ -5,6 +5,7 @@ use std::path::Path;
 use endcomfort_core::cloud::{PointCloud, read_cloud};
 use endcomfort_core::job::{DroppedCloud, Request};
 use endcomfort_core::loaded::Loaded;
+use endcomfort_core::robot::HandDescription;
 use endcomfort_core::scene::Scene;
 
 use super::{Common, Failure};
@@ -55,6 +56,20 @@ pub(super) fn scene(name: &str) -> Result<Scene, Failure> {
     }
     let bytes = read_file(Path::new(name))?;
     Scene::parse(&String::from_utf8_lossy(&bytes)).map_err(|error| Failure::new(format!("{name}: {error}")))
+}
+
+/// A hand description; its URDF may be a file beside it.
+pub(super) fn hand(path: &Path) -> Result<HandDescription, Failure> {
+    let shown = path.display();
+    let bytes = read_file(path)?;
+    let mut hand: HandDescription = serde_json::from_slice(&bytes)
+        .map_err(|error| Failure::new(format!("{shown}: not a hand description: {error}")))?;
+    if !hand.urdf.trim_start().starts_with('<') {
+        let beside = path.parent().unwrap_or(Path::new("")).join(&hand.urdf);
+        hand.urdf = String::from_utf8_lossy(&read_file(&beside)?).into_owned();
+    }
+    hand.check().map_err(|error| Failure::new(format!("{shown}: {error}")))?;
+    Ok(hand)
 }
 
 /// A request for a demo, a scene file or a cloud file; a cloud is brought onto the table of the first demo.

@@ -2,6 +2,7 @@
 
 mod check;
 mod experiment;
+mod experiment_grasps;
 mod fit;
 mod grasp_options;
 mod grasps;
@@ -53,7 +54,7 @@ enum Command {
     Plan(plan::Args),
     /// Draws one picture without a window.
     Render(render::Args),
-    /// Measures the thesis's tables on fitting again.
+    /// Measures the thesis's tables again.
     Experiment(experiment::Args),
     /// Loads files and says what they hold and what is wrong with them.
     Check(check::Args),

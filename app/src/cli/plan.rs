@@ -1,5 +1,7 @@
 //! `plan pick|place`: phases with joint trajectories and timings, or the refusal.
 
+use std::path::PathBuf;
+
 use clap::ValueEnum;
 use endcomfort_core::job::{Output, Stage};
 use endcomfort_core::scene::Task;
@@ -21,6 +23,9 @@ pub(super) struct Args {
     /// Grasp to plan with, by its number; default: in the order of rank until one succeeds.
     #[arg(long)]
     grasp: Option<u32>,
+    /// A hand of your own at the acting arm: a hand description (.json).
+    #[arg(long)]
+    hand: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -41,7 +46,10 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
         _ => {}
     }
     request.grasp = args.grasp;
-    let robot = assets::library().robot(&request.scene.robot).map_err(|error| Failure::new(error.to_string()))?;
+    if let Some(file) = &args.hand {
+        request.scene.set_hand(input::hand(file)?);
+    }
+    let robot = assets::library().robot_of(&request.scene).map_err(|error| Failure::new(error.to_string()))?;
     let results = jobs::run_until(&request, Stage::Plan)?;
     let Some(Output::Plan(plan)) = results.into_iter().find(|output| matches!(output, Output::Plan(_))) else {
         return Err(Failure::new("the pipeline ended without a plan"));

@@ -53,7 +53,7 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
     let request = input::request(&args.scene, args.robot.as_deref(), common)?;
     let last = if args.time.is_some() { endcomfort_core::job::Stage::Plan } else { endcomfort_core::job::Stage::Rank };
-    let robot = assets::library().robot(&request.scene.robot).map_err(|error| Failure::new(error.to_string()))?;
+    let robot = assets::library().robot_of(&request.scene).map_err(|error| Failure::new(error.to_string()))?;
     // A picture of a scene that cannot be planned still shows what was found on the way.
     let (outputs, refusal) = jobs::run_as_far_as_possible(&request, last);
     if let Some(refusal) = refusal {

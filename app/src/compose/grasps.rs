@@ -125,7 +125,8 @@ impl Composer {
             self.add_contacts(frame, input, &X_WO, grasp, palette);
         }
         for (grasp, usual) in [(find(input.hovered), palette.hovered_hand), (selected, palette.selected_hand)] {
-            let Some(grasp) = grasp else { continue };
+            // Grasps of another hand are still there until the new ones come.
+            let Some(grasp) = grasp.filter(|grasp| grasp.closed.len() == hand.open.len()) else { continue };
             let color = if grasp.is_accepted() { usual } else { palette.rejected_hand };
             self.add_hand(frame, input, &hand, &(X_WO * grasp.X_OH), &grasp.closed, color);
         }

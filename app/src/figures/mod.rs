@@ -80,7 +80,7 @@ impl Picture<'_> {
                     content.selected = value.grasps.first().filter(|g| g.is_accepted()).map(|g| g.id);
                 }
                 Output::Plan(value) => content.plan = Some(value),
-                Output::Objective(_) => {}
+                Output::Objective(_) | Output::Quality(_) => {}
             }
         }
         let resting = self.robot.posture(&self.scene.posture);

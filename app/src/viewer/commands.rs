@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use endcomfort_core::grasp::ExportFormat;
 use endcomfort_core::job::{DroppedCloud, Request, Stage};
+use endcomfort_core::robot::HandDescription;
 use endcomfort_core::scene::{ArmChoice, SCENE_VERSION, Scene};
 
 use super::state::{IkChoice, Side, StageState, Standing, Step, ThemeChoice};
@@ -14,7 +15,7 @@ use super::{Document, GraspCommand, LabCommand, Layer, Overlay, Playback, Viewer
 pub enum Command {
     /// Opens the demo of this name.
     OpenDemo(String),
-    /// Opens a file: a scene (`.json`) or a cloud.
+    /// Opens a file: a scene or a hand description (`.json`), or a cloud.
     OpenFile { name: String, bytes: Vec<u8> },
     /// Reports a file that could not be read.
     FileFailed { name: String, reason: String },
@@ -293,7 +294,11 @@ impl ViewerState {
                 demo: self.demo.clone(),
             })
         });
-        let effects = if name.to_ascii_lowercase().ends_with(".json") {
+        let is_json = name.to_ascii_lowercase().ends_with(".json");
+        if is_json && serde_json::from_slice(&bytes).is_ok_and(|json| HandDescription::is_meant_by(&json)) {
+            return self.open_hand(name, &bytes);
+        }
+        let effects = if is_json {
             match read_scene(&bytes) {
                 Ok(scene) => self.edit(|document| *document = Document::new(Arc::new(scene))),
                 Err(reason) => return self.apply(Command::FileFailed { name, reason }),
@@ -311,6 +316,23 @@ impl ViewerState {
             self.fallback = standing;
             self.demo = None;
             self.playback.playing = false;
+        }
+        effects
+    }
+
+    /// Gives the acting arm the described hand; the rest of the scene stays.
+    fn open_hand(&mut self, file: String, bytes: &[u8]) -> Vec<Effect> {
+        let hand = match HandDescription::parse(&String::from_utf8_lossy(bytes)) {
+            Ok(hand) => hand,
+            Err(error) => return self.apply(Command::FileFailed { name: file, reason: error.to_string() }),
+        };
+        let arm = self.document.scene.arm.name();
+        let sentence = format!("The {arm} arm has the hand {:?} now. Undo gives its own back.", hand.name);
+        let mut effects = self.edit_scene(|scene| scene.set_hand(hand));
+        if !effects.is_empty() {
+            self.playback.playing = false;
+            self.say(false, sentence.clone(), Vec::new());
+            effects.push(Effect::Announce(sentence));
         }
         effects
     }

@@ -378,7 +378,7 @@ impl ViewerState {
                 let revision = if is_lasting { self.revision } else { revision };
                 let stage = self.outputs.put(revision, *output);
                 self.outputs_version += 1;
-                if revision == self.revision {
+                if let Some(stage) = stage.filter(|_| revision == self.revision) {
                     *self.stage_mut(stage) = StageState::Done { elapsed_ms };
                 }
                 Ok(Vec::new())

@@ -3,7 +3,7 @@
 use std::ops::Deref;
 use std::sync::Arc;
 
-use endcomfort_core::grasp::Grasp;
+use endcomfort_core::grasp::{Grasp, Quality};
 use endcomfort_core::job::{FitOutput, GraspsOutput, Output, RankOutput, SceneOutput, SegmentOutput, Stage};
 use endcomfort_core::task::Plan;
 use nalgebra::Isometry3;
@@ -51,12 +51,12 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Puts a result in its place and says which stage it was.
-    pub(super) fn put(&mut self, revision: u64, output: Output) -> Stage {
+    /// Puts a result in its place and says which stage it was, if it was one.
+    pub(super) fn put(&mut self, revision: u64, output: Output) -> Option<Stage> {
         fn dated<T>(revision: u64, value: T) -> Option<Dated<T>> {
             Some(Dated { revision, value: Arc::new(value) })
         }
-        match output {
+        Some(match output {
             Output::Scene(value) => {
                 self.scene = dated(revision, value);
                 Stage::Scene
@@ -83,9 +83,15 @@ impl Outputs {
                 self.plan = dated(revision, *value);
                 Stage::Plan
             }
+            Output::Quality(qualities) => {
+                if let Some(rank) = self.rank.as_mut().filter(|rank| rank.revision == revision) {
+                    Quality::put_all(&qualities, &mut Arc::make_mut(&mut rank.value).grasps);
+                }
+                return None;
+            }
             // The lab takes it before anybody puts it here.
-            Output::Objective(_) => Stage::Fit,
-        }
+            Output::Objective(_) => return None,
+        })
     }
 
     /// The results of the stages before `reach` belong to a newer revision too, as far as they are complete. Gives the

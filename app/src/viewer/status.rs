@@ -81,7 +81,7 @@ impl ViewerState {
     /// scene.
     pub fn plan_json(&self) -> Option<String> {
         let plan = self.outputs.plan.as_ref().filter(|plan| plan.revision == self.revision)?;
-        let robot = assets::library().robot(&self.document.scene.robot).ok()?;
+        let robot = assets::library().robot_of(&self.document.scene).ok()?;
         let lines: Vec<String> = plan_json_lines(&plan.value, &robot).iter().map(Value::to_string).collect();
         Some(lines.join("\n"))
     }

@@ -29,6 +29,7 @@ impl ViewerState {
             Update::Done { elapsed_ms, output, .. } => {
                 let stage = self.outputs.put(revision, *output);
                 self.outputs_version += 1;
+                let Some(stage) = stage else { return Vec::new() };
                 *self.stage_mut(stage) = StageState::Done { elapsed_ms };
                 self.stage_stands(stage)
             }

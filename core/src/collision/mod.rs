@@ -25,6 +25,7 @@ mod solid;
 #[cfg(test)]
 pub(crate) mod testing;
 mod touching;
+mod triangles;
 mod world;
 
 pub use checker::{Checker, Clearance, Hit, Scratch};
@@ -34,4 +35,5 @@ pub use hand::HandChecker;
 pub use hull::ConvexHull;
 pub use model::{CollisionError, CollisionModel};
 pub use setup::{CarriedObject, MayTouch, Party};
+pub use triangles::TriangleSurface;
 pub use world::World;

@@ -120,8 +120,7 @@ mod tests {
             2 => (Core::Box { half: Vector3::from_fn(|_, _| rng.uniform(0.02, 0.3)) }, 0.0),
             3 => (Core::Cylinder { radius: rng.uniform(0.03, 0.2), half_length: rng.uniform(0.03, 0.3) }, 0.0),
             _ => {
-                let points: Vec<_> =
-                    (0..30).map(|_| Point3::from(rng.direction() * rng.uniform(0.1, 0.2))).collect();
+                let points: Vec<_> = (0..30).map(|_| Point3::from(rng.direction() * rng.uniform(0.1, 0.2))).collect();
                 (Core::Hull(ConvexHull::new("hull", &points).unwrap()), 0.0)
             }
         }

@@ -12,11 +12,11 @@ use parry3d_f64::shape::{SharedShape, SupportMap};
 use super::frames::Rigid;
 use super::solid::Core;
 
-fn to_parry(v: &Vector3<f64>) -> Vector {
+pub(super) fn to_parry(v: &Vector3<f64>) -> Vector {
     Vector::new(v.x, v.y, v.z)
 }
 
-fn from_parry(v: Vector) -> Vector3<f64> {
+pub(super) fn from_parry(v: Vector) -> Vector3<f64> {
     Vector3::new(v.x, v.y, v.z)
 }
 

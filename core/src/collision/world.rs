@@ -2,8 +2,8 @@
 
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
-use super::model::CollisionError;
 use super::hull::ConvexHull;
+use super::model::CollisionError;
 use super::solid::{Core, Solid};
 use crate::scene::{Obstacle, TableTop};
 

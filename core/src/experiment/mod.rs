@@ -1,4 +1,4 @@
-//! The thesis's experiments on fitting (chapter 3) and the comparisons that go beyond them, as data.
+//! The thesis's experiments on fitting (chapter 3), those on grasps (chapter 5), and the comparisons that go beyond them, as data.
 //!
 //! [`run_experiment`] takes a seed and a number of trials and gives typed rows and every single fit; both are
 //! [`Record`]s, one JSON object or one CSV line each. Random trials have one stream of random numbers each, so the
@@ -9,11 +9,14 @@
 //! ([`ExperimentSettings::is_serial`]). What the thesis reports stands in `reference` alone and is never mixed with
 //! what was measured here.
 //!
-//! Not here: the experiments on grasps and plans (chapters 4 to 6).
+//! Experiments on grasps and plans (chapter 5) have their own rows: [`run_prioritization`].
+//!
+//! Not here: the experiments on handovers (chapter 6).
 
 mod deformations;
 mod downsampling;
 mod equivalence;
+mod grasping;
 mod object_views;
 mod objectives;
 mod objects;
@@ -32,6 +35,10 @@ mod trials_file;
 mod visibility;
 
 pub use equivalence::{EXPONENT_TOLERANCE, equivalent_exponents, exponent_error};
+pub use grasping::{
+    Condition, Excluded, ExcludedCounts, GraspExperiment, GraspExperimentSettings, PrioritizationOutcome, PriorityCase,
+    PriorityRow, ThesisPriority, run_prioritization, thesis_priority,
+};
 pub use object_views::{ObjectView, household_views};
 pub use peers::{peers_clouds, peers_input};
 pub use protocol::{Clouds, NOISE_M, THESIS_POINTS, Visibility, draw_shape, even_cloud, random_cloud};

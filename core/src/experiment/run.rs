@@ -124,6 +124,12 @@ pub enum ExperimentRefusal {
     /// A random shape is none.
     #[error("trial {trial}: {source}")]
     Shape { trial: usize, source: SuperquadricError },
+    /// A robot or an object cannot be used.
+    #[error("{reason}")]
+    Setup { reason: String },
+    /// Hardly any case can be solved.
+    #[error("{robot}, {condition}: found {found} cases that can be solved among {draws}, wanted {wanted}")]
+    TooFewCases { robot: String, condition: &'static str, found: usize, wanted: usize, draws: usize },
     /// The caller stopped it.
     #[error("the experiment was stopped")]
     Stopped,

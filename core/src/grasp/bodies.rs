@@ -1,24 +1,37 @@
-//! The object as a hand meets it: the union of its bodies.
+//! The object as a hand meets it: the union of its fitted bodies, or its points, or its mesh.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
+use super::surfels::Surfels;
+use crate::collision::TriangleSurface;
 use crate::superquadric::{DistanceField, Superquadric, SurfaceSample};
 
 /// A sample or contact this deep inside another body is no surface of the object, metres.
 const COVERED_M: f64 = 1e-6;
 
+/// What fingers close on, in the object frame O.
+pub enum Touched {
+    /// The fitted bodies themselves.
+    Bodies,
+    /// Measured points with their normals.
+    Points(Surfels),
+    /// A closed mesh.
+    Mesh(TriangleSurface),
+}
+
 /// Superquadrics in the object frame O that together are one object; the first is at the identity.
 pub(super) struct Bodies {
     shapes: Vec<Superquadric>,
     fields: Vec<DistanceField>,
+    touched: Touched,
     /// What torques are measured about and divided by: the object's centre, and half its longest edge, metres.
     pub(super) center_O: Point3<f64>,
     pub(super) size_m: f64,
 }
 
 impl Bodies {
-    /// The union of these bodies.
-    pub(super) fn new(shapes: &[Superquadric]) -> Self {
+    /// The union of these bodies; fingers close on `touched`.
+    pub(super) fn new(shapes: &[Superquadric], touched: Touched) -> Self {
         let (center_O, size_m) = match shapes {
             [only] if !only.is_deformed() => {
                 (Point3::from(only.X_FS.translation.vector), only.a.max(only.b).max(only.c))
@@ -33,6 +46,7 @@ impl Bodies {
         Self {
             shapes: shapes.to_vec(),
             fields: shapes.iter().map(Superquadric::distance_field).collect(),
+            touched,
             center_O,
             size_m,
         }
@@ -46,22 +60,37 @@ impl Bodies {
     /// A lower bound of the signed distance from the object, metres: that of the nearest body.
     #[inline]
     pub(super) fn signed_distance(&self, p_O: &Point3<f64>) -> f64 {
-        self.fields.iter().map(|field| field.signed_distance(p_O)).fold(f64::INFINITY, f64::min)
+        match &self.touched {
+            Touched::Bodies => self.fields.iter().map(|f| f.signed_distance(p_O)).fold(f64::INFINITY, f64::min),
+            Touched::Points(surfels) => surfels.signed_distance(p_O),
+            Touched::Mesh(mesh) => mesh.signed_distance(p_O),
+        }
     }
 
     /// As [`Bodies::signed_distance`], tight where a body is near: slower, for the few points that matter.
     pub(super) fn near_distance(&self, p_O: &Point3<f64>) -> f64 {
-        self.fields.iter().map(|field| field.near_distance(p_O)).fold(f64::INFINITY, f64::min)
+        match &self.touched {
+            Touched::Bodies => self.fields.iter().map(|f| f.near_distance(p_O)).fold(f64::INFINITY, f64::min),
+            _ => self.signed_distance(p_O),
+        }
     }
 
     /// Where a ball of this radius around a point touches the object, a point of its surface and the normal there;
     /// `None` when the place is inside another body or the ball stays more than `give_m` away.
     pub(super) fn contact(&self, p_O: &Point3<f64>, radius_m: f64, give_m: f64) -> Option<SurfaceSample> {
-        let distances = self.fields.iter().map(|field| field.near_distance(p_O));
-        let (nearest, distance_m) = distances.enumerate().min_by(|l, r| l.1.total_cmp(&r.1))?;
-        let foot = self.fields[nearest].foot(p_O);
+        let (foot, distance_m, is_covered) = match &self.touched {
+            Touched::Bodies => {
+                let distances = self.fields.iter().map(|field| field.near_distance(p_O));
+                let (nearest, distance_m) = distances.enumerate().min_by(|l, r| l.1.total_cmp(&r.1))?;
+                let foot = self.fields[nearest].foot(p_O);
+                let is_covered = self.is_covered(nearest, &foot.p_F);
+                (foot, distance_m, is_covered)
+            }
+            Touched::Points(surfels) => (surfels.foot(p_O)?, surfels.signed_distance(p_O), false),
+            Touched::Mesh(mesh) => (mesh.foot(p_O), mesh.signed_distance(p_O), false),
+        };
         let is_away = distance_m > 0.0 && (foot.p_F - p_O).norm() > radius_m + give_m;
-        (!is_away && !self.is_covered(nearest, &foot.p_F)).then_some(foot)
+        (!is_away && !is_covered).then_some(foot)
     }
 
     /// Surface samples of one body that are not inside another.

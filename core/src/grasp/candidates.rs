@@ -1,9 +1,10 @@
 //! Candidate grasps from uniform surface samples (thesis 4.2).
 
-use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
-use super::bodies::Bodies;
-use super::{Contact, Grasp, GraspSettings, GraspStatus, HandModel, close, quality};
+use super::bodies::{Bodies, Touched};
+use super::{Contact, Grasp, GraspSettings, GraspStatus, HandModel, Unwanted, close, quality};
+use crate::math;
 use crate::parallel;
 use crate::superquadric::{Superquadric, SurfaceSample};
 
@@ -27,19 +28,22 @@ const OPEN_DIP_M: f64 = 0.001;
 
 /// All candidates for an object, in order of generation: body by body, each from its surface samples.
 ///
-/// `bodies_O` are the object's superquadrics in its frame O, which is the first one's axes. Around each sample that no
-/// other body covers, the approach z_H is against the normal and x_H along the body's smallest principal axis that is
-/// not parallel to it, in both senses; the palm close to the surface (power grasp) or the fingertips at it. The hand is
-/// then moved along x_H until the body, or else the whole object, is centred between the fingers, and closed on
-/// whatever it meets first. `hand_hit` says what the hand would meet besides the object, with the given finger
-/// positions, at the object's start pose.
+/// `bodies_O` are the object's superquadrics in its frame O, which is the first one's axes, and fingers close on
+/// `touched`. Around each sample that no other body covers, the approach z_H is against the normal and x_H along the
+/// body's smallest principal axis that is not parallel to it, turned by the rolls that are asked for, at depths from the
+/// palm at the surface (power grasp) to the fingertips at it. The hand is then moved along x_H until the body, or else
+/// the whole object, is centred between the fingers, and closed on whatever it meets first. `hand_hit` says what the
+/// hand would meet besides the object, with the given finger positions, at the object's start pose `X_WO`, where the
+/// filters look at it too.
 pub fn candidates(
     hand: &HandModel,
     bodies_O: &[Superquadric],
+    touched: Touched,
     settings: &GraspSettings,
+    X_WO: &Isometry3<f64>,
     hand_hit: &HandHits<'_>,
 ) -> Vec<Grasp> {
-    let bodies = Bodies::new(bodies_O);
+    let bodies = Bodies::new(bodies_O, touched);
     let dense = (0..bodies.len()).map(|part| bodies.samples(part, WIDTH_DENSITY)).collect();
     let shape =
         Shape { bodies, dense, reach_m: reach_m(hand), opening_m: hand.opening_m(), palm_depth_m: hand.palm_depth_m() };
@@ -49,7 +53,8 @@ pub fn candidates(
         poses.into_iter().map(move |X_OH| (part, X_OH))
     };
     let numbered: Vec<(u32, (usize, Isometry3<f64>))> = (0..).zip((0..shape.bodies.len()).flat_map(at_part)).collect();
-    parallel::map(&numbered, |(id, (part, X_OH))| judge(*id, *part, X_OH, hand, &shape, settings, hand_hit))
+    let judge = Judge { hand, shape: &shape, settings, X_WO, hand_hit };
+    parallel::map(&numbered, |(id, (part, X_OH))| judge.grasp(*id, *part, X_OH))
 }
 
 struct Shape {
@@ -61,7 +66,7 @@ struct Shape {
     reach_m: f64,
 }
 
-/// Up to four hand poses at a sample: two senses of x_H, two depths.
+/// The hand poses at a sample: every depth with every roll in both senses of x_H.
 fn poses_at(part: usize, sample: &SurfaceSample, shape: &Shape, settings: &GraspSettings) -> Vec<Isometry3<f64>> {
     let z_H = -sample.n_F;
     let axes = shape.bodies.axes_at(part, &sample.p_F);
@@ -69,12 +74,18 @@ fn poses_at(part: usize, sample: &SurfaceSample, shape: &Shape, settings: &Grasp
         return Vec::new();
     };
     let Some(x_H) = x_H.try_normalize(1e-9) else { return Vec::new() };
-    let power = settings.palm_gap_m - shape.palm_depth_m;
-    let fingertip = -settings.fingertip_depth_m;
-    let mut poses = Vec::with_capacity(4);
-    for offset in [power, fingertip] {
-        for sense in [1.0, -1.0] {
-            let x = x_H * sense;
+    let (power, fingertip) = (settings.palm_gap_m - shape.palm_depth_m, -settings.fingertip_depth_m);
+    let rolls = settings.rolls.max(1);
+    let depths = settings.depths.max(1);
+    let mut poses = Vec::with_capacity(2 * (rolls * depths) as usize);
+    for depth in 0..depths {
+        let share = if depths > 1 { f64::from(depth) / f64::from(depths - 1) } else { 0.0 };
+        let offset = power + share * (fingertip - power);
+        for roll in 0..2 * rolls {
+            // Every roll is followed by its opposite: half a turn swaps the fingers.
+            let half_turn = if roll % 2 == 0 { 1.0 } else { -1.0 };
+            let (sin, cos) = math::sin_cos(std::f64::consts::PI * f64::from(roll / 2) / f64::from(rolls));
+            let x = (x_H * cos + z_H.cross(&x_H) * sin) * half_turn;
             let R = Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, z_H.cross(&x), z_H]));
             let p = sample.p_F + sample.n_F * offset;
             poses.push(Isometry3::from_parts(Translation3::from(p), UnitQuaternion::from_rotation_matrix(&R)));
@@ -83,28 +94,38 @@ fn poses_at(part: usize, sample: &SurfaceSample, shape: &Shape, settings: &Grasp
     poses
 }
 
-/// A candidate with the hand centred on its own body, or, where that fails, on all of the object between the fingers:
-/// two bodies side by side are held together.
-fn judge(
-    id: u32,
-    part: usize,
-    X_OH: &Isometry3<f64>,
-    hand: &HandModel,
-    shape: &Shape,
-    settings: &GraspSettings,
-    hand_hit: &HandHits<'_>,
-) -> Grasp {
-    let attempt = |around: &[Vec<SurfaceSample>]| {
-        let (X_OH, width_m) = centred(X_OH, around, shape);
+/// What every candidate is judged by.
+struct Judge<'a> {
+    hand: &'a HandModel,
+    shape: &'a Shape,
+    settings: &'a GraspSettings,
+    X_WO: &'a Isometry3<f64>,
+    hand_hit: &'a HandHits<'a>,
+}
+
+impl Judge<'_> {
+    /// A candidate with the hand centred on its own body, or, where that fails, on all of the object between the
+    /// fingers: two bodies side by side are held together.
+    fn grasp(&self, id: u32, part: usize, X_OH: &Isometry3<f64>) -> Grasp {
+        let own = self.attempt(id, part, X_OH, &self.shape.dense[part..=part]);
+        if own.is_accepted() || self.shape.bodies.len() == 1 {
+            return own;
+        }
+        let whole = self.attempt(id, part, X_OH, &self.shape.dense);
+        if whole.is_accepted() { whole } else { own }
+    }
+
+    fn attempt(&self, id: u32, part: usize, X_OH: &Isometry3<f64>, around: &[Vec<SurfaceSample>]) -> Grasp {
+        let (X_OH, width_m) = centred(X_OH, around, self.shape);
         let mut grasp = Grasp {
             id,
             part,
             X_OH,
-            closed: hand.open.clone(),
+            closed: self.hand.open.clone(),
             contacts: Vec::new(),
             width_m,
             epsilon: 0.0,
-            volume: 0.0,
+            volume: None,
             success: None,
             clearance_m: None,
             score: None,
@@ -112,52 +133,70 @@ fn judge(
             goal: None,
             status: GraspStatus::Accepted,
         };
-        grasp.status = close_hand(&mut grasp, hand, shape, settings, hand_hit);
+        grasp.status = self.unwanted_pose(&grasp).unwrap_or_else(|| self.close_hand(&mut grasp));
         grasp
-    };
-    let own = attempt(&shape.dense[part..=part]);
-    if own.is_accepted() || shape.bodies.len() == 1 {
-        return own;
     }
-    let whole = attempt(&shape.dense);
-    if whole.is_accepted() { whole } else { own }
-}
 
-/// Closes the hand at the grasp's pose and fills in what comes of it; gives the status.
-fn close_hand(
-    grasp: &mut Grasp,
-    hand: &HandModel,
-    shape: &Shape,
-    settings: &GraspSettings,
-    hand_hit: &HandHits<'_>,
-) -> GraspStatus {
-    let X_OH = grasp.X_OH;
-    if grasp.width_m > shape.opening_m {
-        return GraspStatus::TooWide { width_m: grasp.width_m, opening_m: shape.opening_m };
+    /// The filters that need no closed hand.
+    fn unwanted_pose(&self, grasp: &Grasp) -> Option<GraspStatus> {
+        let filter = &self.settings.filter;
+        if let Some(wanted) = filter.part.filter(|&wanted| wanted != grasp.part) {
+            return Some(GraspStatus::Unwanted { wish: Unwanted::Part { part: grasp.part, wanted } });
+        }
+        let cone = filter.approach?;
+        let axis_W = cone.axis_W.try_normalize(1e-9)?;
+        let approach_W = self.X_WO * (grasp.X_OH * Vector3::z());
+        let angle_rad = math::acos(approach_W.dot(&axis_W).max(-1.0).min(1.0));
+        let limit_rad = cone.half_angle_rad;
+        let wish = Unwanted::Approach { angle_rad, limit_rad };
+        (angle_rad > limit_rad).then_some(GraspStatus::Unwanted { wish })
     }
-    let (link, depth_m) = close::deepest(hand, &hand.link_poses(&hand.open), &X_OH, &shape.bodies, |_| true);
-    if depth_m > OPEN_DIP_M {
-        return GraspStatus::HandInObject { link: hand.links[link].name.clone(), depth_m };
+
+    /// Whether it holds the object outside the wanted region: where the middle of its contacts is.
+    fn unwanted_place(&self, grasp: &Grasp) -> Option<GraspStatus> {
+        let region = self.settings.filter.region?;
+        let sum: Vector3<f64> = grasp.contacts.iter().map(|contact| contact.p_O.coords).sum();
+        let p_W = self.X_WO * Point3::from(sum / grasp.contacts.len().max(1) as f64);
+        let wish = Unwanted::Region { p_W };
+        (!region.contains(&p_W)).then_some(GraspStatus::Unwanted { wish })
     }
-    if let Some(hit) = hand_hit(&X_OH, &hand.open) {
-        return status_of(hit);
+
+    /// Closes the hand at the grasp's pose and fills in what comes of it; gives the status.
+    fn close_hand(&self, grasp: &mut Grasp) -> GraspStatus {
+        let Self { hand, shape, settings, hand_hit, .. } = self;
+        let X_OH = grasp.X_OH;
+        if grasp.width_m > shape.opening_m {
+            return GraspStatus::TooWide { width_m: grasp.width_m, opening_m: shape.opening_m };
+        }
+        let open = hand.link_poses(&hand.open);
+        let (link, depth_m) = close::deepest(hand, &open, &X_OH, &shape.bodies, OPEN_DIP_M, |_| true);
+        if depth_m > OPEN_DIP_M {
+            return GraspStatus::HandInObject { link: hand.links[link].name.clone(), depth_m };
+        }
+        if let Some(hit) = hand_hit(&X_OH, &hand.open) {
+            return status_of(hit);
+        }
+        grasp.closed = close::close(hand, &X_OH, &shape.bodies);
+        grasp.contacts = close::contacts(hand, &grasp.closed, &X_OH, &shape.bodies);
+        if let Some(width_m) = contact_width(&grasp.contacts, &X_OH) {
+            grasp.width_m = width_m;
+        }
+        if grasp.contacts.len() < settings.min_contacts {
+            return GraspStatus::TooFewContacts { found: grasp.contacts.len(), wanted: settings.min_contacts };
+        }
+        if !is_opposed(&grasp.contacts, &X_OH) {
+            return GraspStatus::OneSided { link: grasp.contacts[0].link.clone() };
+        }
+        if let Some(status) = self.unwanted_place(grasp) {
+            return status;
+        }
+        if let Some(hit) = hand_hit(&X_OH, &grasp.closed) {
+            return status_of(hit);
+        }
+        let Bodies { center_O, size_m, .. } = &shape.bodies;
+        grasp.epsilon = quality::epsilon(&grasp.contacts, settings.friction, center_O, *size_m);
+        GraspStatus::Accepted
     }
-    grasp.closed = close::close(hand, &X_OH, &shape.bodies);
-    grasp.contacts = close::contacts(hand, &grasp.closed, &X_OH, &shape.bodies);
-    if let Some(width_m) = contact_width(&grasp.contacts, &X_OH) {
-        grasp.width_m = width_m;
-    }
-    if grasp.contacts.len() < settings.min_contacts {
-        return GraspStatus::TooFewContacts { found: grasp.contacts.len(), wanted: settings.min_contacts };
-    }
-    if !opposed(&grasp.contacts, &X_OH) {
-        return GraspStatus::OneSided { link: grasp.contacts[0].link.clone() };
-    }
-    if let Some(hit) = hand_hit(&X_OH, &grasp.closed) {
-        return status_of(hit);
-    }
-    grasp.epsilon = quality::epsilon(&grasp.contacts, &shape.bodies.center_O, shape.bodies.size_m);
-    GraspStatus::Accepted
 }
 
 fn status_of(hit: HandHit) -> GraspStatus {
@@ -171,7 +210,7 @@ fn status_of(hit: HandHit) -> GraspStatus {
 /// How far the open fingers reach beyond the TCP, metres.
 fn reach_m(hand: &HandModel) -> f64 {
     let X_HL = hand.link_poses(&hand.open);
-    let ends = X_HL.iter().zip(&hand.links).flat_map(|(X, link)| link.spheres.iter().map(move |(c, r)| (X * c).z + r));
+    let ends = X_HL.iter().zip(&hand.links).flat_map(|(X, link)| link.spheres().map(move |(c, r)| (X * c).z + r));
     ends.fold(f64::NEG_INFINITY, f64::max)
 }
 
@@ -192,7 +231,7 @@ fn centred(X_OH: &Isometry3<f64>, around: &[Vec<SurfaceSample>], shape: &Shape) 
 }
 
 /// Whether some contact pushes along +x_H and another along -x_H.
-fn opposed(contacts: &[Contact], X_OH: &Isometry3<f64>) -> bool {
+pub(super) fn is_opposed(contacts: &[Contact], X_OH: &Isometry3<f64>) -> bool {
     let x_O = X_OH.rotation * Vector3::x();
     let pushes = |sense: f64| contacts.iter().any(|c| sense * x_O.dot(&c.n_O) > 0.3);
     pushes(1.0) && pushes(-1.0)
@@ -207,8 +246,6 @@ fn contact_width(contacts: &[Contact], X_OH: &Isometry3<f64>) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Point3;
-
     use super::*;
     use crate::collision::{CollisionModel, HandChecker, World};
     use crate::robot::Robot;
@@ -238,7 +275,7 @@ mod tests {
     fn grasps(robot: &Robot, bodies: &[Superquadric]) -> Vec<Grasp> {
         let hand = HandModel::new(robot, &robot.arms[0]);
         let settings = GraspSettings { density: 10, ..GraspSettings::default() };
-        candidates(&hand, bodies, &settings, &|_, _| None)
+        candidates(&hand, bodies, Touched::Bodies, &settings, &Isometry3::identity(), &|_, _| None)
     }
 
     /// Each accepted grasp, checked against convex pieces with the collision room's own geometry.
@@ -298,7 +335,7 @@ mod tests {
                     let link = hand.links.iter().position(|link| link.name == contact.link).unwrap();
                     let X_OL = grasp.X_OH * X_HL[link];
                     let gap = |(center, radius): &(Point3<f64>, f64)| (X_OL * center - contact.p_O).norm() - radius;
-                    let gap_m = hand.links[link].spheres.iter().map(gap).fold(f64::INFINITY, f64::min);
+                    let gap_m = hand.links[link].spheres().map(gap).fold(f64::INFINITY, f64::min);
                     assert!(gap_m <= close::PAD_GIVE_M + 1e-9, "{gap_m} at grasp {}", grasp.id);
                     contacts += 1;
                 }
@@ -310,7 +347,7 @@ mod tests {
     #[test]
     fn candidates_start_from_what_no_other_body_covers() {
         for bodies in [mug(), hammer()] {
-            let union = Bodies::new(&bodies);
+            let union = Bodies::new(&bodies, Touched::Bodies);
             for part in 0..2 {
                 let samples = union.samples(part, 60);
                 assert!(!samples.is_empty() && samples.len() < bodies[part].samples(60).len());

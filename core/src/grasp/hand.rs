@@ -8,6 +8,8 @@ use crate::robot::{Arm, Geometry, JointKind, Robot};
 /// Distance between neighbouring spheres on a link, metres: half the width of a finger, so that no bump of the object
 /// as wide as a finger fits between two of them.
 const SPHERE_SPACING_M: f64 = 0.006;
+/// Edge of the cells in which the spheres of a link are grouped, metres: some twenty each on a flat face.
+const PATCH_M: f64 = 0.028;
 
 /// A hand cut off its arm: every link's pose in the hand frame H follows from the finger positions alone.
 #[derive(Clone, Debug)]
@@ -30,8 +32,8 @@ pub struct HandModel {
 pub struct HandLink {
     /// Name in the URDF.
     pub name: String,
-    /// Spheres that cover its collision bodies, in the link frame: centre and radius, metres.
-    pub spheres: Vec<(Point3<f64>, f64)>,
+    /// Spheres that cover its collision bodies, neighbours in patches.
+    pub patches: Vec<Patch>,
     /// Ball around all of them: centre in the link frame and radius, metres.
     pub ball: (Point3<f64>, f64),
     /// Finger values that move this link, proximal first.
@@ -40,6 +42,22 @@ pub struct HandLink {
     X_PJ: Isometry3<f64>,
     axis: Vector3<f64>,
     motion: Option<(JointKind, FingerValue)>,
+}
+
+/// Neighbouring spheres of a link, in the link frame: centre and radius, metres.
+#[derive(Clone, Debug)]
+pub struct Patch {
+    /// The spheres.
+    pub spheres: Vec<(Point3<f64>, f64)>,
+    /// Ball around all of them.
+    pub ball: (Point3<f64>, f64),
+}
+
+impl HandLink {
+    /// All spheres of the link.
+    pub fn spheres(&self) -> impl Iterator<Item = &(Point3<f64>, f64)> {
+        self.patches.iter().flat_map(|patch| &patch.spheres)
+    }
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +77,7 @@ impl HandModel {
         let mut links = vec![HandLink {
             name: robot.links[hand.palm_link].name.clone(),
             ball: ball_around(&cover_link(robot, hand.palm_link)),
-            spheres: cover_link(robot, hand.palm_link),
+            patches: patches(cover_link(robot, hand.palm_link)),
             moved_by: Vec::new(),
             parent: 0,
             X_PJ: Isometry3::identity(),
@@ -83,7 +101,7 @@ impl HandModel {
             links.push(HandLink {
                 name: robot.links[joint.child].name.clone(),
                 ball: ball_around(&spheres),
-                spheres,
+                patches: patches(spheres),
                 moved_by,
                 parent,
                 X_PJ: joint.X_PJ,
@@ -114,6 +132,13 @@ impl HandModel {
     /// Pose `X_HL` of every link for the finger positions, in the order of `links`.
     pub fn link_poses(&self, finger_positions: &[f64]) -> Vec<Isometry3<f64>> {
         let mut X_HL = Vec::with_capacity(self.links.len());
+        self.link_poses_into(finger_positions, &mut X_HL);
+        X_HL
+    }
+
+    /// As [`HandModel::link_poses`], into a vector that is reused.
+    pub fn link_poses_into(&self, finger_positions: &[f64], X_HL: &mut Vec<Isometry3<f64>>) {
+        X_HL.clear();
         X_HL.push(self.X_HP);
         for link in &self.links[1..] {
             let X_HJ = X_HL[link.parent] * link.X_PJ;
@@ -131,7 +156,6 @@ impl HandModel {
                 }
             });
         }
-        X_HL
     }
 
     /// Metres that any point of the hand moves at most per unit (rad or m) of a finger value.
@@ -144,7 +168,7 @@ impl HandModel {
         let X_HL = self.link_poses(&self.open);
         let (mut below, mut above) = (f64::INFINITY, f64::INFINITY);
         for (link, X) in self.links.iter().zip(&X_HL).filter(|(link, _)| !link.moved_by.is_empty()) {
-            for (center, radius) in &link.spheres {
+            for (center, radius) in link.spheres() {
                 let p = X * center;
                 if p.z.abs() < 0.02 {
                     if p.x > 0.0 {
@@ -160,7 +184,7 @@ impl HandModel {
 
     /// Distance along z_H from the front of the palm to the TCP, metres.
     pub fn palm_depth_m(&self) -> f64 {
-        let front = self.links[0].spheres.iter().map(|(c, r)| (self.X_HP * c).z + r);
+        let front = self.links[0].spheres().map(|(c, r)| (self.X_HP * c).z + r);
         -front.fold(f64::NEG_INFINITY, f64::max)
     }
 }
@@ -195,6 +219,16 @@ fn reach_from(links: &[HandLink], index: usize, value: usize) -> f64 {
         at = links[at].parent;
     }
     reach
+}
+
+/// Spheres grouped by the cell of a grid that their centre is in, the cells in a fixed order.
+fn patches(spheres: Vec<(Point3<f64>, f64)>) -> Vec<Patch> {
+    let cell = |p: &Point3<f64>| p.coords.map(|x| libm::floor(x / PATCH_M) as i64);
+    let mut keyed: Vec<_> = spheres.into_iter().map(|sphere| (cell(&sphere.0), sphere)).collect();
+    keyed.sort_by_key(|(cell, _)| (cell.x, cell.y, cell.z));
+    let run = |run: &[(_, (Point3<f64>, f64))]| run.iter().map(|(_, sphere)| *sphere).collect::<Vec<_>>();
+    let groups = keyed.chunk_by(|l, r| l.0 == r.0).map(run);
+    groups.map(|spheres| Patch { ball: ball_around(&spheres), spheres }).collect()
 }
 
 /// A ball around spheres: their mean centre and what it takes to hold them all.

@@ -11,7 +11,11 @@ mod quantity;
 mod ranking;
 mod settings;
 mod situate;
+mod success;
+mod surfels;
+mod volume;
 
+pub use bodies::Touched;
 pub use candidates::{HandHit, HandHits, candidates};
 pub use export::{ExportFormat, GraspExport, StraightWays};
 pub use hand::HandModel;
@@ -21,6 +25,9 @@ pub use quantity::Quantity;
 pub use ranking::{RankBy, RankSettings, Score, Term, Weights, rank};
 pub use settings::{ApproachCone, ContactSurface, GraspFilter, GraspSettings, PoseNoise, Region, Unwanted};
 pub use situate::Reach;
+pub use success::Trials;
+pub use surfels::Surfels;
+pub use volume::volume;
 
 use nalgebra::{Isometry3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
@@ -43,9 +50,10 @@ pub struct Grasp {
     pub width_m: f64,
     /// Largest-ball quality of the grasp wrench space (Ferrari and Canny 1992); 0 without force closure.
     pub epsilon: f64,
-    /// Volume of the grasp wrench space in its six dimensions, forces and scaled torques without unit.
+    /// Volume of the grasp wrench space in its six dimensions, forces and scaled torques without unit; `None` while it
+    /// was not computed.
     #[serde(default)]
-    pub volume: f64,
+    pub volume: Option<f64>,
     /// How often it holds when the object is not quite where it was seen; `None` while that was not asked.
     #[serde(default)]
     pub success: Option<Success>,
@@ -93,6 +101,28 @@ pub struct Success {
     pub trials: u32,
 }
 
+/// What takes longer to tell of an accepted grasp than everything else.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Quality {
+    /// Number of the grasp.
+    pub id: u32,
+    /// See [`Grasp::success`].
+    pub success: Option<Success>,
+    /// See [`Grasp::volume`].
+    pub volume: f64,
+}
+
+impl Quality {
+    /// Writes qualities into the grasps that they belong to.
+    pub fn put_all(qualities: &[Self], grasps: &mut [Grasp]) {
+        for quality in qualities {
+            if let Some(grasp) = grasps.iter_mut().find(|grasp| grasp.id == quality.id) {
+                (grasp.success, grasp.volume) = (quality.success, Some(quality.volume));
+            }
+        }
+    }
+}
+
 impl Success {
     /// Share of the poses at which the grasp held.
     pub fn probability(&self) -> f64 {
@@ -112,6 +142,10 @@ pub struct Situated {
     pub solutions: Vec<Vec<f64>>,
     /// Manipulability (5.1) of each solution.
     pub manipulability: Vec<f64>,
+    /// Indices of solutions from which the hand can come and go straight with and without the object, the most
+    /// manipulable first: as many as a planner needs, not all there are.
+    #[serde(default)]
+    pub with_ways: Vec<usize>,
     /// What was turned away: reason and count, most frequent first.
     pub rejected: Vec<(Obstruction, usize)>,
 }

@@ -4,14 +4,14 @@
 //! object's size so that they compare with forces. Only the part of the hull that matters is built: starting from a
 //! simplex, the facet nearest to the origin is pushed outwards until it lies on the hull (as in Zheng 2013), which
 //! needs tens of facets instead of tens of thousands.
+//!
+//! Friction is Coulomb's with one coefficient for all contacts ([`GraspSettings::friction`](super::GraspSettings)).
 
 use nalgebra::{Matrix6, Point3, SVector, Vector3};
 
 use super::Contact;
 use crate::math;
 
-/// Coulomb friction between rubber pads and packaging, as in the grasp literature's usual 0.5.
-pub(super) const FRICTION: f64 = 0.5;
 /// Edges of a linearised friction cone; eight keep at least 92 % of the cone's width.
 const CONE_EDGES: usize = 8;
 /// Facets after which the hull is given up; the value reached so far is then a lower bound.
@@ -19,19 +19,19 @@ const MAX_FACETS: usize = 4000;
 /// A facet is on the hull when its farthest wrench is no farther than this.
 const ON_HULL: f64 = 1e-9;
 
-type Wrench = SVector<f64, 6>;
+pub(super) type Wrench = SVector<f64, 6>;
 
 /// ε: radius of the largest ball of wrenches around the origin that the contacts resist with unit normal forces.
 ///
 /// Forces are in units of one contact's force, torques about `center_O` in units of that force times `size_m`.
 /// 0 without force closure.
-pub fn epsilon(contacts: &[Contact], center_O: &Point3<f64>, size_m: f64) -> f64 {
-    let wrenches = wrenches(contacts, center_O, size_m);
+pub fn epsilon(contacts: &[Contact], friction: f64, center_O: &Point3<f64>, size_m: f64) -> f64 {
+    let wrenches = wrenches(contacts, friction, center_O, size_m);
     Hull::new(&wrenches).map_or(0.0, |mut hull| hull.inner_radius())
 }
 
 /// Wrenches `[f; τ / size]` of all cone edges.
-fn wrenches(contacts: &[Contact], center_O: &Point3<f64>, size_m: f64) -> Vec<Wrench> {
+pub(super) fn wrenches(contacts: &[Contact], friction: f64, center_O: &Point3<f64>, size_m: f64) -> Vec<Wrench> {
     let mut wrenches = Vec::with_capacity(contacts.len() * CONE_EDGES);
     for contact in contacts {
         let inward = -contact.n_O;
@@ -40,7 +40,7 @@ fn wrenches(contacts: &[Contact], center_O: &Point3<f64>, size_m: f64) -> Vec<Wr
         let v = inward.cross(&u);
         for edge in 0..CONE_EDGES {
             let (sin, cos) = math::sin_cos(std::f64::consts::TAU * edge as f64 / CONE_EDGES as f64);
-            let force = inward + FRICTION * (u * cos + v * sin);
+            let force = inward + friction * (u * cos + v * sin);
             let torque = (contact.p_O - center_O).cross(&force) / size_m;
             wrenches.push(Wrench::new(force.x, force.y, force.z, torque.x, torque.y, torque.z));
         }
@@ -176,7 +176,7 @@ mod tests {
 
     /// Upper bound by sampling: the hull's support in random directions is never below ε.
     fn sampled_bound(contacts: &[Contact], count: usize) -> f64 {
-        let wrenches = wrenches(contacts, &Point3::origin(), 1.0);
+        let wrenches = wrenches(contacts, 0.5, &Point3::origin(), 1.0);
         let mut rng = Rng::new(3, 0);
         (0..count)
             .map(|_| {
@@ -190,7 +190,7 @@ mod tests {
     #[test]
     fn epsilon_is_below_every_sampled_support_and_close_to_the_least() {
         let contacts = six_sided();
-        let exact = epsilon(&contacts, &Point3::origin(), 1.0);
+        let exact = epsilon(&contacts, 0.5, &Point3::origin(), 1.0);
         let bound = sampled_bound(&contacts, 200_000);
         assert!(exact > 0.05 && exact <= bound + 1e-9, "{exact} against {bound}");
         // 200 000 directions on a 5-sphere come within a fifth of the least support.
@@ -204,8 +204,8 @@ mod tests {
             contact([-0.1, 0.1, 0.0], [0.0, 0.0, 1.0]),
             contact([-0.1, -0.1, 0.0], [0.0, 0.0, 1.0]),
         ];
-        assert_eq!(epsilon(&contacts, &Point3::origin(), 0.1), 0.0);
-        assert_eq!(epsilon(&[], &Point3::origin(), 0.1), 0.0);
+        assert_eq!(epsilon(&contacts, 0.5, &Point3::origin(), 0.1), 0.0);
+        assert_eq!(epsilon(&[], 0.5, &Point3::origin(), 0.1), 0.0);
     }
 
     #[test]
@@ -215,7 +215,8 @@ mod tests {
             contact([-0.04, 0.002, 0.0], [-1.0, 0.0, 0.0]),
             contact([-0.04, -0.002, 0.0], [-1.0, 0.0, 0.0]),
         ];
-        let (wide, thin) = (epsilon(&ring(0.0), &Point3::origin(), 0.04), epsilon(&narrow, &Point3::origin(), 0.04));
+        let (wide, thin) =
+            (epsilon(&ring(0.0), 0.5, &Point3::origin(), 0.04), epsilon(&narrow, 0.5, &Point3::origin(), 0.04));
         assert!(wide > thin && thin >= 0.0, "{wide} against {thin}");
     }
 
@@ -224,7 +225,7 @@ mod tests {
         // Closure ends where the rise is friction times radius, 20 mm: exactly there the question has no answer.
         for step in 0..8 {
             let contacts = ring(0.0025 + 0.005 * f64::from(step));
-            let is_closed = epsilon(&contacts, &Point3::origin(), 0.04) > 0.0;
+            let is_closed = epsilon(&contacts, 0.5, &Point3::origin(), 0.04) > 0.0;
             assert_eq!(is_closed, !is_separable(&contacts, 0.04), "rise of {} mm", 2.5 + 5.0 * f64::from(step));
         }
         assert!(!is_separable(&six_sided(), 1.0));
@@ -233,7 +234,7 @@ mod tests {
     /// Whether some direction has a positive product with every wrench (Rosenblatt's perceptron finds one if there is
     /// one; the number of rounds is far beyond what these wrenches need).
     fn is_separable(contacts: &[Contact], size_m: f64) -> bool {
-        let wrenches = wrenches(contacts, &Point3::origin(), size_m);
+        let wrenches = wrenches(contacts, 0.5, &Point3::origin(), size_m);
         let mut u = Wrench::zeros();
         for _ in 0..200_000 {
             match wrenches.iter().min_by(|l, r| u.dot(l).total_cmp(&u.dot(r))) {

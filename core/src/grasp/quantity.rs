@@ -99,7 +99,7 @@ impl Quantity {
             Self::IkGoal => goal.map(|set| set.ik_count as f64),
             Self::Score => grasp.score.as_ref().map(|score| score.total),
             Self::Epsilon => has_contacts.then_some(grasp.epsilon),
-            Self::Volume => has_contacts.then_some(grasp.volume),
+            Self::Volume => grasp.volume,
             Self::Success => grasp.success.map(|success| success.probability()),
             Self::Clearance => grasp.clearance_m,
             Self::Width => has_contacts.then_some(grasp.width_m),

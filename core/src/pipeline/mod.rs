@@ -9,6 +9,9 @@ mod memory;
 mod perceive;
 mod rank;
 mod run;
+mod situate;
 
 pub use perceive::synthetic_cloud;
 pub use run::Pipeline;
+
+pub(crate) use rank::{grasp_candidates, ranked, workcell};

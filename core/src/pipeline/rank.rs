@@ -4,10 +4,12 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, Point3};
 
-use crate::collision::{CollisionError, ConvexHull, HandChecker, Scratch, World};
+use super::situate::situate_all;
+use crate::collision::{ConvexHull, HandChecker, TriangleSurface, World};
 use crate::fit::Fit;
 use crate::grasp::{
-    Grasp, GraspSettings, GraspStatus, HandHit, HandModel, Obstruction, Reach, Situated, candidates, rank,
+    ContactSurface, Grasp, GraspSettings, HandHit, HandModel, Quality, RankBy, Surfels, Touched, Trials, candidates,
+    rank,
 };
 use crate::job::{FitOutput, Refusal};
 use crate::library::Library;
@@ -15,21 +17,21 @@ use crate::parallel;
 use crate::robot::ik::ArmIk;
 use crate::scene::Scene;
 use crate::superquadric::Superquadric;
-use crate::task::{Situation, TARGET, Workcell, WorkcellError};
+use crate::task::{TARGET, Workcell, WorkcellError};
 use crate::watch::Watch;
 
 /// Resolution of the meshes whose corners make collision hulls: 32 columns, 16 rows.
 const HULL_HALF: u32 = 4;
 
 /// Robot, obstacles and the object of a request.
-pub(super) fn workcell(
+pub(crate) fn workcell(
     scene: &Scene,
     fits: &FitOutput,
     clusters: &[Vec<Point3<f64>>],
     is_dropped: bool,
     library: &Library,
 ) -> Result<Workcell, Refusal> {
-    let robot = library.robot(&scene.robot).map_err(|error| refusal(&error))?;
+    let robot = library.robot_of(scene).map_err(|error| refusal(&error))?;
     let arm_name = scene.arm.name();
     let arm_index = robot
         .arms
@@ -127,11 +129,48 @@ fn neighbour_name(scene: &Scene, X_WS: &Isometry3<f64>, index: usize, is_dropped
     described.map_or_else(|| format!("cluster {index}"), |placed| placed.object.replace('_', " "))
 }
 
+/// What fingers close on, as the scene asks.
+pub(super) fn touched(
+    scene: &Scene,
+    target: &Fit,
+    points: &[Point3<f64>],
+    is_dropped: bool,
+    library: &Library,
+) -> Result<Touched, Refusal> {
+    let X_OW = target.superquadric.X_FS.inverse();
+    Ok(match scene.grasp.surface {
+        ContactSurface::Superquadric => Touched::Bodies,
+        ContactSurface::Cloud => {
+            let points_O: Vec<Point3<f64>> = points.iter().map(|p| X_OW * p).collect();
+            let surfels = Surfels::new(&points_O, &Point3::origin());
+            Touched::Points(surfels.ok_or_else(|| Refusal {
+                message: format!("{} points are too few to close fingers on", points.len()),
+                details: vec!["Let the fingers close on the superquadric.".into()],
+            })?)
+        }
+        ContactSurface::Mesh => {
+            let described = scene.object_at(&target.superquadric.X_FS).filter(|_| !is_dropped);
+            let placed = described.ok_or_else(|| Refusal {
+                message: "no mesh is known of the object".into(),
+                details: vec!["Let the fingers close on the superquadric or on the cloud.".into()],
+            })?;
+            let object = library.object(&placed.object).map_err(|error| refusal(&error))?;
+            let mesh_O = object.mesh().transformed(&(X_OW * placed.X_WO));
+            Touched::Mesh(TriangleSurface::new(&placed.object, &mesh_O).map_err(|error| refusal(&error))?)
+        }
+    })
+}
+
 /// Candidates that the hand alone could take where the object stands.
-pub(super) fn grasp_candidates(cell: &Workcell, target: &Fit, settings: &GraspSettings) -> Result<Vec<Grasp>, Refusal> {
+pub(crate) fn grasp_candidates(
+    cell: &Workcell,
+    target: &Fit,
+    touched: Touched,
+    settings: &GraspSettings,
+) -> Result<Vec<Grasp>, Refusal> {
     let hand_checker = |fingers: &[f64]| HandChecker::new(&cell.model, &cell.world, &[], cell.arm_index, fingers);
     let open = hand_checker(&cell.hand.open).map_err(|error| refusal(&error))?;
-    Ok(candidates(&cell.hand, &bodies_in_object(target), settings, &|X_OH, fingers| {
+    let hand_hit = |X_OH: &Isometry3<f64>, fingers: &[f64]| {
         let X_WH = cell.X_WO_start * X_OH;
         let hit = if fingers == cell.hand.open {
             open.first_hit(&X_WH)
@@ -139,24 +178,26 @@ pub(super) fn grasp_candidates(cell: &Workcell, target: &Fit, settings: &GraspSe
             hand_checker(fingers).ok()?.first_hit(&X_WH)
         };
         hit.map(|hit| HandHit { link: hit.a, other: hit.b })
-    }))
+    };
+    Ok(candidates(&cell.hand, &bodies_in_object(target), touched, settings, &cell.X_WO_start, &hand_hit))
 }
 
 /// Grasps with their IK sets at start and goal: accepted ones first, best first, then the rest in order of generation.
-pub(super) fn ranked(
+///
+/// Qualities are filled in when the order depends on them; else [`qualities`] gives them afterwards.
+pub(crate) fn ranked(
     cell: &Workcell,
     grasps: &[Grasp],
+    target: &Fit,
     scene: &Scene,
     watch: Watch<'_>,
 ) -> Result<Vec<Grasp>, Refusal> {
-    let goal_supports: Option<Vec<String>> = cell.X_WO_goal.map(|X_WO_goal| cell.supports(&X_WO_goal));
-    let mut judged = parallel::map(grasps, |grasp| {
-        let mut grasp = grasp.clone();
-        if grasp.is_accepted() && !watch.should_stop() {
-            situate(cell, &mut grasp, goal_supports.as_deref(), scene.rank.arm_angles);
-        }
-        grasp
-    });
+    let situated = situate_all(cell, grasps, scene, &|| watch.should_stop());
+    let mut judged = situated.map_err(|error| refusal(&error))?;
+    if scene.rank.by == RankBy::Score {
+        let qualities = qualities(cell, &judged, target, scene, watch);
+        Quality::put_all(&qualities, &mut judged);
+    }
     if watch.should_stop() {
         return Err(Refusal { message: "stopped".into(), details: Vec::new() });
     }
@@ -164,29 +205,17 @@ pub(super) fn ranked(
     Ok(judged)
 }
 
-fn situate(cell: &Workcell, grasp: &mut Grasp, goal_supports: Option<&[String]>, arm_angles: usize) {
-    let q_rest = cell.q_with_fingers(&grasp.closed);
-    let reach = Reach { robot: &cell.robot, arm: cell.arm(), ik: &cell.ik, q_rest: &q_rest, arm_angles };
-    let at = |X_WO: &Isometry3<f64>, situation: Result<Situation, CollisionError>| -> Situated {
-        let checker = match situation.and_then(|situation| cell.checker(&situation)) {
-            Ok(checker) => checker,
-            Err(error) => {
-                let reason = Obstruction::Invalid { reason: error.to_string() };
-                return Situated { rejected: vec![(reason, 1)], ..Situated::default() };
-            }
-        };
-        let mut scratch = Scratch::default();
-        reach.situate(&(X_WO * grasp.X_OH), |q| checker.first_hit(&mut scratch, q).map(Obstruction::from))
-    };
-    let start = at(&cell.X_WO_start, cell.grasping(&cell.X_WO_start, &grasp.closed));
-    let goal = match (start.ik_count > 0, cell.X_WO_goal, goal_supports) {
-        (true, Some(X_WO_goal), Some(supports)) => Some(at(&X_WO_goal, cell.carrying(grasp, supports))),
-        _ => None,
-    };
-    if start.ik_count == 0 {
-        grasp.status = GraspStatus::NoIkAtStart { reason: start.main_reason() };
-    } else if let Some(goal) = goal.as_ref().filter(|goal| goal.ik_count == 0) {
-        grasp.status = GraspStatus::NoIkAtGoal { reason: goal.main_reason() };
-    }
-    (grasp.start, grasp.goal) = (Some(start), goal);
+/// What takes longer to tell of the accepted grasps: how often they hold, and the volume of their wrench space.
+pub(super) fn qualities(
+    cell: &Workcell,
+    grasps: &[Grasp],
+    target: &Fit,
+    scene: &Scene,
+    watch: Watch<'_>,
+) -> Vec<Quality> {
+    let bodies_O = bodies_in_object(target);
+    let trials = Trials::new(&cell.hand, &bodies_O, &scene.grasp, scene.seed);
+    let accepted: Vec<&Grasp> = grasps.iter().filter(|grasp| grasp.is_accepted()).collect();
+    let found = parallel::map(&accepted, |grasp| (!watch.should_stop()).then(|| trials.quality(grasp)));
+    found.into_iter().flatten().collect()
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::memory::{Memory, text};
 use super::{lab, perceive, rank};
-use crate::grasp::Grasp;
+use crate::grasp::{Grasp, RankBy};
 use crate::job::{
     FitOutput, GraspsOutput, Output, RankOutput, Refusal, Request, SceneOutput, SegmentOutput, Stage, Update,
 };
@@ -50,6 +50,7 @@ impl Pipeline {
             emit(Update::Finished { revision });
             return;
         }
+        let mut is_ranked = false;
         for stage in Stage::ALL.into_iter().filter(|stage| (request.first..=request.last).contains(stage)) {
             if watch.should_stop() {
                 break;
@@ -58,6 +59,7 @@ impl Pipeline {
             let started = watch.now_ms();
             match self.stage(request, stage, *watch) {
                 Ok(output) => {
+                    is_ranked |= stage == Stage::Rank;
                     let elapsed_ms = watch.now_ms() - started;
                     emit(Update::Done { revision, elapsed_ms, output: Box::new(output) });
                 }
@@ -67,7 +69,25 @@ impl Pipeline {
                 }
             }
         }
+        if is_ranked && request.scene.rank.by != RankBy::Score {
+            self.tell_qualities(request, *watch, emit);
+        }
         emit(Update::Finished { revision });
+    }
+
+    /// What takes too long to wait for before a plan.
+    fn tell_qualities(&mut self, request: &Request, watch: Watch<'_>, emit: &mut dyn FnMut(Update)) {
+        let scene = &request.scene;
+        let fits = if request.shape.is_some() { self.shaped.last() } else { self.fit.last() };
+        let (Some((cell, _)), Some(grasps), Some(fits)) = (self.grasps.last(), self.rank.last(), fits) else { return };
+        let Some(Ok(target)) = fits.fits.get(fits.target) else { return };
+        let started = watch.now_ms();
+        let qualities = rank::qualities(cell, grasps, target, scene, watch);
+        if !watch.should_stop() {
+            let elapsed_ms = watch.now_ms() - started;
+            let output = Box::new(Output::Quality(qualities));
+            emit(Update::Done { revision: request.revision, elapsed_ms, output });
+        }
     }
 
     /// Fits a cluster with each objective, all other settings as they are.
@@ -130,6 +150,7 @@ impl Pipeline {
             &scene.robot,
             scene.arm,
             scene.torso,
+            &scene.hand,
             &scene.posture,
             &scene.task,
             &scene.grasp,
@@ -138,9 +159,11 @@ impl Pipeline {
         let (cell, grasps) = self.grasps.get(inputs.clone(), || {
             let cell = rank::workcell(scene, fits, &segments.clusters, dropped.is_some(), library)?;
             let Some(Ok(target)) = fits.fits.get(fits.target) else {
-                return Err(Refusal { message: "the object to grasp has no fit".into(), details: Vec::new() });
+                return Err(no_fit());
             };
-            let grasps = rank::grasp_candidates(&cell, target, &scene.grasp)?;
+            let points = &segments.clusters[fits.target];
+            let touched = rank::touched(scene, target, points, dropped.is_some(), library)?;
+            let grasps = rank::grasp_candidates(&cell, target, touched, &scene.grasp)?;
             Ok((cell, grasps))
         })?;
         if stage == Stage::Grasps {
@@ -152,7 +175,10 @@ impl Pipeline {
         }
 
         inputs.push(text(&scene.rank));
-        let ranked = self.rank.get(inputs.clone(), || rank::ranked(cell, grasps, scene, watch))?;
+        let ranked = self.rank.get(inputs.clone(), || {
+            let Some(Ok(target)) = fits.fits.get(fits.target) else { return Err(no_fit()) };
+            rank::ranked(cell, grasps, target, scene, watch)
+        })?;
         let accepted = ranked.iter().filter(|grasp| grasp.is_accepted()).count();
         if stage == Stage::Rank {
             return Ok(Output::Rank(RankOutput { grasps: ranked.clone(), accepted }));
@@ -165,6 +191,10 @@ impl Pipeline {
         })?;
         Ok(Output::Plan(Box::new(plan.clone())))
     }
+}
+
+fn no_fit() -> Refusal {
+    Refusal { message: "the object to grasp has no fit".into(), details: Vec::new() }
 }
 
 /// FNV-1a: tells two files of one name and length apart.

@@ -2,6 +2,8 @@
 
 mod chain;
 mod error;
+mod hand_attach;
+mod hand_description;
 pub mod ik;
 mod kinematics;
 mod mesh_file;
@@ -17,6 +19,7 @@ mod xml;
 
 pub use chain::{Chain, ChainError, ChainState};
 pub use error::{MAX_LINKS, RobotError};
+pub use hand_description::{HAND_VERSION, HandDescription, HandError, HandFrame, Placement};
 pub use model::{
     Arm, CollisionBody, Geometry, Hand, Joint, JointKind, JointLimit, Link, Material, Mimic, Robot, Visual,
 };

@@ -2,10 +2,13 @@
 
 use super::{Robot, load_robot};
 
-fn load(urdf: &str, srdf: &str) -> Robot {
+fn mesh(name: &str) -> Option<Vec<u8>> {
     let meshes = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../robots/meshes"));
-    let resolve = |name: &str| std::fs::read(meshes.join(name.rsplit('/').next()?)).ok();
-    let loaded = load_robot(urdf, srdf, &resolve).unwrap();
+    std::fs::read(meshes.join(name.rsplit('/').next()?)).ok()
+}
+
+fn load(urdf: &str, srdf: &str) -> Robot {
+    let loaded = load_robot(urdf, srdf, &mesh).unwrap();
     assert!(loaded.notes.is_empty(), "{:#?}", loaded.notes);
     loaded.value
 }
@@ -18,4 +21,17 @@ pub(crate) fn crichton() -> Robot {
 /// Alita: two LWA3 arms, parallel grippers.
 pub(crate) fn alita() -> Robot {
     load(include_str!("../../../robots/alita/alita.urdf"), include_str!("../../../robots/alita/alita.srdf"))
+}
+
+/// A description of `robots/hands/`.
+pub(crate) fn hand(name: &str) -> super::HandDescription {
+    let file = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../robots/hands")).join(name);
+    super::HandDescription::parse(&std::fs::read_to_string(file).unwrap()).unwrap()
+}
+
+/// The robot with a described hand at one arm.
+pub(crate) fn with_hand(robot: &Robot, arm: &str, hand: &super::HandDescription) -> Robot {
+    let loaded = robot.with_hand(arm, hand, &mesh).unwrap();
+    assert!(loaded.notes.is_empty(), "{:#?}", loaded.notes);
+    loaded.value
 }

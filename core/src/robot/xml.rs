@@ -97,11 +97,15 @@ pub(super) fn bad(node: Node<'_, '_>, attribute: &str, thing: &str, wanted: &'st
 pub(super) fn origin(node: Node<'_, '_>, thing: &str) -> Result<Isometry3<f64>, RobotError> {
     let Some(origin) = child(node, "origin") else { return Ok(Isometry3::identity()) };
     let [x, y, z] = numbers(origin, "xyz", thing)?.unwrap_or_default();
-    let [roll, pitch, yaw] = numbers(origin, "rpy", thing)?.unwrap_or_default();
+    let rpy = numbers(origin, "rpy", thing)?.unwrap_or_default();
+    Ok(Isometry3::from_parts(Translation3::new(x, y, z), from_rpy(rpy)))
+}
+
+/// Turns about the fixed axes x, then y, then z, radians.
+pub(super) fn from_rpy([roll, pitch, yaw]: [f64; 3]) -> UnitQuaternion<f64> {
     let about = |axis, angle: f64| {
         let (sin, cos) = crate::math::sin_cos(0.5 * angle);
         UnitQuaternion::from_quaternion(nalgebra::Quaternion::from_parts(cos, axis * sin))
     };
-    let rotation = about(Vector3::z(), yaw) * about(Vector3::y(), pitch) * about(Vector3::x(), roll);
-    Ok(Isometry3::from_parts(Translation3::new(x, y, z), rotation))
+    about(Vector3::z(), yaw) * about(Vector3::y(), pitch) * about(Vector3::x(), roll)
 }

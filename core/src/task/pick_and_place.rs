@@ -24,8 +24,6 @@ pub struct MotionSettings {
     pub min_approach_m: f64,
     /// Straight way up after the grasp and down at the goal, metres.
     pub lift_m: f64,
-    /// Configurations of an IK set from which straight ways are tried, the most manipulable first.
-    pub tries_per_set: usize,
     /// Grasps tried before the task is refused.
     pub max_grasps: usize,
     /// Share of the joints' speed limits.
@@ -42,7 +40,6 @@ impl Default for MotionSettings {
             approach_m: 0.09,
             min_approach_m: 0.03,
             lift_m: 0.06,
-            tries_per_set: 12,
             max_grasps: 12,
             velocity_scale: 1.0,
             acceleration_scale: 1.0,
@@ -186,7 +183,7 @@ struct Ways {
     rise: Path,
 }
 
-/// Straight ways from the most manipulable configurations of an IK set; the first obstacle met is the reason if none
+/// Straight ways from the configurations of an IK set that promise them; the first obstacle met is the reason if none
 /// has both.
 fn straight_ways(
     mover: &Mover<'_>,
@@ -197,8 +194,8 @@ fn straight_ways(
 ) -> Result<Vec<Ways>, Setback> {
     let mut found = Vec::new();
     let mut first = Setback { phase: back_phase, reason: "no configuration of the arm".into() };
-    let solutions = situated.map(|situated| most_manipulable(situated, mover.settings.tries_per_set));
-    for (index, q) in solutions.unwrap_or_default().into_iter().enumerate() {
+    let tried = situated.into_iter().flat_map(|set| set.with_ways.iter().map(|&index| &set.solutions[index]));
+    for (index, q) in tried.enumerate() {
         let back = mover.back_off(open, q, X_WH).map_err(setback(back_phase));
         let rise =
             back.and_then(|back| mover.rise(carrying, q, X_WH).map(|rise| (back, rise)).map_err(setback(rise_phase)));
@@ -246,11 +243,4 @@ fn assemble(
         tcp_link: arm.hand.tcp_link,
         failed_grasps,
     }
-}
-
-/// Configurations of an IK set, the most manipulable first, ties in their own order.
-fn most_manipulable(situated: &Situated, count: usize) -> Vec<&[f64]> {
-    let mut order: Vec<usize> = (0..situated.solutions.len()).collect();
-    order.sort_by(|&l, &r| situated.manipulability[r].total_cmp(&situated.manipulability[l]).then(l.cmp(&r)));
-    order.into_iter().take(count).map(|index| situated.solutions[index].as_slice()).collect()
 }

@@ -5,7 +5,9 @@ use std::sync::Arc;
 use nalgebra::Isometry3;
 
 use super::{PhaseKind, Plan};
-use crate::collision::{CarriedObject, Checker, ConvexHull, CollisionError, CollisionModel, Exhaustive, MayTouch, Party, World};
+use crate::collision::{
+    CarriedObject, Checker, CollisionError, CollisionModel, ConvexHull, Exhaustive, MayTouch, Party, World,
+};
 use crate::grasp::{Grasp, HandModel};
 use crate::plan::{WalkHit, walk};
 use crate::robot::ik::ArmIk;

@@ -166,6 +166,27 @@ fn a_scene_file_is_opened_and_a_broken_one_is_refused_with_its_reason() {
 }
 
 #[test]
+fn a_hand_description_gives_the_acting_arm_another_hand_until_it_is_undone() {
+    let mut state = ranked();
+    let json = crate::assets::read("robots/hands/adaptive.json").unwrap().to_vec();
+    let open = |bytes: Vec<u8>| Command::OpenFile { name: "mine.json".to_owned(), bytes };
+    let effects = state.apply(open(json.clone()));
+    let asked_for = effects.iter().find_map(|effect| match effect {
+        Effect::Run(request) => request.scene.hand.clone(),
+        _ => None,
+    });
+    assert_eq!(asked_for.map(|hand| hand.name).as_deref(), Some("Two adaptive fingers"));
+    assert_eq!(state.scene().grasp.friction, 0.7, "the friction of its pads");
+    assert!(state.messages.iter().any(|message| !message.is_error && message.text.contains("Two adaptive fingers")));
+    let wrong = String::from_utf8(json).unwrap().replace("\"palm_link\": \"palm\"", "\"palm_link\": \"hand\"");
+    let effects = state.apply(open(wrong.into_bytes()));
+    let reason = "the URDF has no link \"hand\"";
+    assert!(matches!(effects.as_slice(), [Effect::Announce(sentence)] if sentence.contains(reason)), "{effects:?}");
+    let _run = state.apply(Command::Undo);
+    assert!(state.scene().hand.is_none() && state.scene().grasp.friction == 0.5);
+}
+
+#[test]
 fn cancel_stops_the_worker_and_leaves_the_old_results() {
     let mut state = ranked();
     let _run = state.apply(Command::SetSeed(5));

@@ -51,6 +51,7 @@ pub(super) fn scene(name: &str, title: &str, summary: &str, robot: &str) -> Arc<
         grasp: GraspSettings::default(),
         rank: RankSettings::default(),
         torso: false,
+        hand: None,
     })
 }
 
@@ -247,6 +248,7 @@ fn candidates() -> Vec<Grasp> {
     let situated = |m_g: f64, ik_count: usize| Situated {
         m_g,
         ik_count,
+        with_ways: Vec::new(),
         solutions: vec![vec![0.1; 7]; ik_count],
         manipulability: (0..ik_count)
             .map(|i| m_g + 0.5 * m_g * ((i as f64 * 0.7).sin() + (i as f64 * 1.3).cos()) / 2.0)
@@ -306,7 +308,7 @@ fn candidates() -> Vec<Grasp> {
                 contacts: vec![contact("thumb"), contact("finger 1"), contact("finger 2"), contact("palm")],
                 width_m: 0.071,
                 epsilon: 0.21 - 0.001 * rank / 4.0,
-                volume: 0.08,
+                volume: Some(0.08),
                 success: (i < 37).then(|| Success { held: 20 - i % 9, trials: 20 }),
                 clearance_m: (i < 80).then(|| 0.012 + 0.001 * rank.sin()),
                 score: (i < 37).then(score),

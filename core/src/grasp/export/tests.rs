@@ -26,7 +26,7 @@ fn grasps(fingers: usize) -> Vec<Grasp> {
         contacts: vec![contact],
         width_m: 0.06,
         epsilon: 0.2,
-        volume: 0.01,
+        volume: Some(0.01),
         success: Some(Success { held: 18, trials: 20 }),
         clearance_m: Some(0.012),
         score: None,

@@ -1,0 +1,134 @@
+//! `experiment`, the tables on grasps: `prioritization`.
+
+use endcomfort_core::experiment::{
+    GraspExperiment, GraspExperimentSettings, PriorityRow, Record, Summary, run_prioritization,
+};
+
+use super::experiment::{Args, digits, watched, write_records};
+use super::table::Table;
+use super::{Common, Failure};
+use crate::assets;
+use crate::clock::stopwatch;
+
+pub(super) fn run(experiment: GraspExperiment, args: &Args, common: &Common) -> Result<(), Failure> {
+    if let Some(option) = args.fitting_options().first() {
+        let name = experiment.name();
+        return Err(Failure::new(format!("{option}: experiment {name} has no use for it, it fits nothing")));
+    }
+    let settings = settings(args, common)?;
+    let elapsed_ms = stopwatch();
+    match experiment {
+        GraspExperiment::Prioritization => {
+            let outcome = watched(&elapsed_ms, |watch| run_prioritization(&settings, watch))
+                .map_err(|refusal| Failure::new(refusal.to_string()))?;
+            write(args, common, &outcome.rows, &outcome.cases)?;
+            if !common.json {
+                print_head(experiment, &settings, elapsed_ms() * 1e-3);
+                print_prioritization(&outcome.rows);
+            }
+        }
+    }
+    Ok(())
+}
+
+fn settings(args: &Args, common: &Common) -> Result<GraspExperimentSettings, Failure> {
+    let robots = match args.robot.as_deref() {
+        Some(robot) if !assets::ROBOT_NAMES.contains(&robot) => {
+            return Err(Failure::new(format!("no robot {robot:?}; there are {}", assets::ROBOT_NAMES.join(" and "))));
+        }
+        Some(robot) => vec![robot.to_owned()],
+        None => assets::ROBOT_NAMES.map(str::to_owned).to_vec(),
+    };
+    Ok(GraspExperimentSettings {
+        library: assets::library(),
+        robots,
+        objects: assets::object_names().into_iter().map(str::to_owned).collect(),
+        trials: args.trials,
+        clutter: args.clutter.unwrap_or(0),
+        seed: common.seed.unwrap_or(1),
+        is_serial: args.serial,
+    })
+}
+
+fn write<R: Record, C: Record>(args: &Args, common: &Common, rows: &[R], cases: &[C]) -> Result<(), Failure> {
+    if let Some(file) = &args.out {
+        write_records(file, rows)?;
+    }
+    if let Some(file) = &args.fits {
+        write_records(file, cases)?;
+    }
+    if common.json {
+        rows.iter().for_each(|row| println!("{}", row.json()));
+    }
+    Ok(())
+}
+
+fn print_head(experiment: GraspExperiment, settings: &GraspExperimentSettings, elapsed_s: f64) {
+    println!("{}: {}", experiment.name(), experiment.about());
+    let threads = if settings.is_serial { "one case after the other" } else { "cases side by side, so without times" };
+    let boxes = match settings.clutter {
+        0 => String::from("nothing else on the table"),
+        count => format!("{count} boxes beside the object"),
+    };
+    let objects = settings.objects.len();
+    println!("{objects} known objects, {boxes}, seed {}, {threads}, {elapsed_s:.1} s\n", settings.seed);
+}
+
+/// The rows of Table 5.1 for a person, each followed by the thesis's own where it has one.
+fn print_prioritization(rows: &[PriorityRow]) {
+    let heads = vec![
+        "",
+        "robot",
+        "condition",
+        "order",
+        "first works",
+        "%",
+        "95 %",
+        "tried",
+        "planning s",
+        "grasps",
+        "set aside",
+    ];
+    let mut table = Table::new(4, heads);
+    let three = |summary: Option<Summary>| {
+        let text = |s: Summary| format!("{} / {} / {}", digits(s.mean), digits(s.median), digits(s.p95));
+        summary.map(text).unwrap_or_default()
+    };
+    for row in rows {
+        let [low, high] = row.success_interval_percent;
+        let excluded = row.excluded;
+        table.push(vec![
+            String::new(),
+            row.robot.clone(),
+            row.condition.name().to_owned(),
+            row.metric.name().to_owned(),
+            format!("{}/{}", row.success, row.trials),
+            format!("{:.1}", row.success_percent()),
+            format!("{low:.1} … {high:.1}"),
+            three(row.tried),
+            three(row.planning_time_s),
+            row.accepted.map(|s| digits(s.mean)).unwrap_or_default(),
+            format!("{} + {} + {} + {}", excluded.hand, excluded.start, excluded.goal, excluded.path),
+        ]);
+        if let Some(thesis) = &row.thesis {
+            let mut line = vec![String::new(); 11];
+            line[0] = String::from("thesis");
+            line[2] = row.condition.name().to_owned();
+            line[3] = row.metric.name().to_owned();
+            line[4] = format!("{}/{}", thesis.success, thesis.trials);
+            line[5] = format!("{:.1}", 100.0 * thesis.success / thesis.trials as f64);
+            line[8] = format!("{:.2} / - / -", thesis.planning_time_s);
+            table.push(line);
+        }
+    }
+    println!("{table}");
+    println!(
+        "first works: cases in which the grasp that the order puts first yields both paths; 95 %: Wilson's interval."
+    );
+    println!("tried, planning: until a grasp worked, mean / median / 95 % of the cases. grasps: usable at both poses.");
+    println!(
+        "set aside, as in the thesis: cases that no grasp solves, because the hand cannot hold the object + none is"
+    );
+    println!("reached at the start + none can be used at both poses + no grasp yields all paths.");
+    println!("thesis: its own numbers for the same table, not measured here.");
+}

@@ -1,0 +1,67 @@
+//! Experiments on grasps and plans (thesis chapter 5): known objects on the robots' table, in simulation.
+//!
+//! The robot knows the shape of an object beforehand: it is the fit to 4 000 points of the whole surface of the bundled
+//! household object, made once. From there on everything is the pipeline's own: workcell, candidates, ranking, plans.
+//! What the camera makes of an object is measured elsewhere ([`super::Experiment::Objects`]).
+
+mod cases;
+mod known;
+mod prioritization;
+mod priority_row;
+mod reference;
+#[cfg(test)]
+mod testing;
+
+pub use cases::Condition;
+pub use prioritization::{PrioritizationOutcome, run_prioritization};
+pub use priority_row::{Excluded, ExcludedCounts, PriorityCase, PriorityRow};
+pub use reference::{ThesisPriority, thesis_priority};
+
+use std::sync::Arc;
+
+use crate::library::Library;
+
+/// An experiment on grasps by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GraspExperiment {
+    /// Table 5.1: which order of the grasps makes the first one work.
+    Prioritization,
+}
+
+impl GraspExperiment {
+    /// All of them.
+    pub const ALL: [Self; 1] = [Self::Prioritization];
+
+    /// The name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Prioritization => "prioritization",
+        }
+    }
+
+    /// What it finds out, for a person.
+    pub fn about(self) -> &'static str {
+        match self {
+            Self::Prioritization => "Table 5.1: which order of the grasps makes the first one work",
+        }
+    }
+}
+
+/// What an experiment on grasps is given.
+#[derive(Clone)]
+pub struct GraspExperimentSettings {
+    /// Robots and objects.
+    pub library: Arc<Library>,
+    /// Names of the robots.
+    pub robots: Vec<String>,
+    /// Names of the objects.
+    pub objects: Vec<String>,
+    /// Trials per condition and robot; `None` for the thesis's own numbers.
+    pub trials: Option<usize>,
+    /// Boxes on the table, known to the robot, in each case.
+    pub clutter: usize,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// One case after the other on one processor, so that times mean something.
+    pub is_serial: bool,
+}
