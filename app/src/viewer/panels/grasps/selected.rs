@@ -13,7 +13,11 @@ use crate::viewer::{Command, ViewerState, format, quantities};
 
 /// Height that the short form wants, points.
 pub(super) fn brief_height(grasp: &Grasp) -> f32 {
-    if grasp.is_accepted() { 244.0 } else { 236.0 }
+    match (grasp.is_accepted(), &grasp.start) {
+        (true, _) => 244.0,
+        (false, Some(_)) => 236.0,
+        (false, None) => 96.0,
+    }
 }
 
 /// What stands under the table.
