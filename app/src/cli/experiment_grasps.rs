@@ -1,7 +1,8 @@
-//! `experiment`, the tables on grasps: `prioritization`.
+//! `experiment`, the tables on grasps: `prioritization` and `grasps`.
 
 use endcomfort_core::experiment::{
-    GraspExperiment, GraspExperimentSettings, PriorityRow, Record, Summary, run_prioritization,
+    FeasibleRow, GraspExperiment, GraspExperimentSettings, PriorityRow, Record, Summary, run_feasible,
+    run_prioritization,
 };
 
 use super::experiment::{Args, digits, watched, write_records};
@@ -25,6 +26,18 @@ pub(super) fn run(experiment: GraspExperiment, args: &Args, common: &Common) -> 
             if !common.json {
                 print_head(experiment, &settings, elapsed_ms() * 1e-3);
                 print_prioritization(&outcome.rows);
+            }
+        }
+        GraspExperiment::Grasps => {
+            if args.trials.is_some() || args.clutter.is_some() {
+                return Err(Failure::new("--trials, --clutter: experiment grasps has its own poses, nothing is drawn"));
+            }
+            let outcome = watched(&elapsed_ms, |watch| run_feasible(&settings, watch))
+                .map_err(|refusal| Failure::new(refusal.to_string()))?;
+            write(args, common, &outcome.rows, &outcome.cases)?;
+            if !common.json {
+                print_head(experiment, &settings, elapsed_ms() * 1e-3);
+                print_feasible(&outcome.rows);
             }
         }
     }
@@ -131,4 +144,26 @@ fn print_prioritization(rows: &[PriorityRow]) {
     );
     println!("reached at the start + none can be used at both poses + no grasp yields all paths.");
     println!("thesis: its own numbers for the same table, not measured here.");
+}
+
+/// How many grasps each object offers each robot, for a person.
+fn print_feasible(rows: &[FeasibleRow]) {
+    let heads =
+        vec!["robot", "object", "poses", "10 or more", "best", "mean", "median", "not accepted at the best pose"];
+    let mut table = Table::new(2, heads);
+    for row in rows {
+        table.push(vec![
+            row.robot.clone(),
+            row.object.clone(),
+            row.poses.to_string(),
+            row.enough.to_string(),
+            row.best.accepted.to_string(),
+            row.accepted.map(|s| digits(s.mean)).unwrap_or_default(),
+            row.accepted.map(|s| digits(s.median)).unwrap_or_default(),
+            row.best.reasons_text(),
+        ]);
+    }
+    println!("{table}");
+    println!("best, mean, median: grasps that the arm reaches without collision, over the poses of a grid in front of");
+    println!("both arms (2 distances, 2 sides, 2 headings each).");
 }

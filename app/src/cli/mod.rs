@@ -50,7 +50,7 @@ enum Command {
     /// Fits a superquadric to each cloud.
     Fit(fit::Args),
     /// Ranks the grasps of an object.
-    Grasps(grasps::Args),
+    Grasps(Box<grasps::Args>),
     /// Plans a task.
     Plan(plan::Args),
     /// Draws one picture without a window.

@@ -9,7 +9,7 @@
 //! ([`ExperimentSettings::is_serial`]). What the thesis reports stands in `reference` alone and is never mixed with
 //! what was measured here.
 //!
-//! Experiments on grasps and plans (chapter 5) have their own rows: [`run_prioritization`].
+//! Experiments on grasps and plans (chapter 5) have their own rows: [`run_prioritization`], [`run_feasible`].
 //!
 //! Not here: the experiments on handovers (chapter 6).
 
@@ -36,8 +36,9 @@ mod visibility;
 
 pub use equivalence::{EXPONENT_TOLERANCE, equivalent_exponents, exponent_error};
 pub use grasping::{
-    Condition, Excluded, ExcludedCounts, GraspExperiment, GraspExperimentSettings, PrioritizationOutcome, PriorityCase,
-    PriorityRow, ThesisPriority, run_prioritization, thesis_priority,
+    Condition, ENOUGH, Excluded, ExcludedCounts, FeasibleCase, FeasibleOutcome, FeasibleRow, GraspExperiment,
+    GraspExperimentSettings, PrioritizationOutcome, PriorityCase, PriorityRow, ThesisPriority, run_feasible,
+    run_prioritization, thesis_priority,
 };
 pub use object_views::{ObjectView, household_views};
 pub use peers::{peers_clouds, peers_input};

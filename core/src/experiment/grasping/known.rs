@@ -44,10 +44,10 @@ impl KnownObject {
         self.half_m.xy().norm()
     }
 
-    /// What the pipeline's own fit would say of it where it stands.
-    pub(super) fn fits(&self, X_WO: &Isometry3<f64>) -> FitOutput {
+    /// Its fit where it stands.
+    pub(super) fn fit(&self, X_WO: &Isometry3<f64>) -> Fit {
         let at = &self.fit_O;
-        let fit = Fit {
+        Fit {
             superquadric: at.superquadric.transformed(X_WO),
             others: at
                 .others
@@ -55,8 +55,12 @@ impl KnownObject {
                 .map(|part| Part { superquadric: part.superquadric.transformed(X_WO), ..part.clone() })
                 .collect(),
             ..at.clone()
-        };
-        FitOutput { fits: vec![Ok(fit)], target: 0, distances_m: vec![Vec::new()], automatic: None }
+        }
+    }
+
+    /// What the pipeline's own fit would say of it where it stands.
+    pub(super) fn fits(&self, X_WO: &Isometry3<f64>) -> FitOutput {
+        FitOutput { fits: vec![Ok(self.fit(X_WO))], target: 0, distances_m: vec![Vec::new()], automatic: None }
     }
 }
 

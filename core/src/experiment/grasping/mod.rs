@@ -5,6 +5,7 @@
 //! What the camera makes of an object is measured elsewhere ([`super::Experiment::Objects`]).
 
 mod cases;
+mod feasible;
 mod known;
 mod prioritization;
 mod priority_row;
@@ -13,12 +14,14 @@ mod reference;
 mod testing;
 
 pub use cases::Condition;
+pub use feasible::{ENOUGH, FeasibleCase, FeasibleOutcome, FeasibleRow, run_feasible};
 pub use prioritization::{PrioritizationOutcome, run_prioritization};
 pub use priority_row::{Excluded, ExcludedCounts, PriorityCase, PriorityRow};
 pub use reference::{ThesisPriority, thesis_priority};
 
 use std::sync::Arc;
 
+use super::ExperimentRefusal;
 use crate::library::Library;
 
 /// An experiment on grasps by name.
@@ -26,16 +29,19 @@ use crate::library::Library;
 pub enum GraspExperiment {
     /// Table 5.1: which order of the grasps makes the first one work.
     Prioritization,
+    /// How many grasps each object offers each robot.
+    Grasps,
 }
 
 impl GraspExperiment {
     /// All of them.
-    pub const ALL: [Self; 1] = [Self::Prioritization];
+    pub const ALL: [Self; 2] = [Self::Prioritization, Self::Grasps];
 
     /// The name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Prioritization => "prioritization",
+            Self::Grasps => "grasps",
         }
     }
 
@@ -43,6 +49,9 @@ impl GraspExperiment {
     pub fn about(self) -> &'static str {
         match self {
             Self::Prioritization => "Table 5.1: which order of the grasps makes the first one work",
+            Self::Grasps => {
+                "how many grasps each object offers each robot where it stands on the table, and why no more"
+            }
         }
     }
 }
@@ -64,4 +73,19 @@ pub struct GraspExperimentSettings {
     pub seed: u64,
     /// One case after the other on one processor, so that times mean something.
     pub is_serial: bool,
+}
+
+impl GraspExperimentSettings {
+    /// Whether there is anything to do.
+    fn check(&self, experiment: GraspExperiment) -> Result<(), ExperimentRefusal> {
+        let missing = [
+            ("trials", self.trials == Some(0)),
+            ("objects", self.objects.is_empty()),
+            ("robots", self.robots.is_empty()),
+        ];
+        match missing.into_iter().find(|(_, is_missing)| *is_missing) {
+            Some((thing, _)) => Err(ExperimentRefusal::Nothing { experiment: experiment.name(), thing }),
+            None => Ok(()),
+        }
+    }
 }

@@ -16,6 +16,7 @@ use crate::grasp::{Grasp, GraspStatus, RankBy, RankSettings, Touched, rank};
 use crate::job::Refusal;
 use crate::parallel;
 use crate::pipeline::{grasp_candidates, ranked, workcell};
+use crate::scene::Scene;
 use crate::task::{MotionSettings, PickAndPlace, Workcell, plan_pick_and_place};
 use crate::watch::Watch;
 
@@ -40,16 +41,7 @@ pub fn run_prioritization(
     settings: &GraspExperimentSettings,
     watch: Watch<'_>,
 ) -> Result<PrioritizationOutcome, ExperimentRefusal> {
-    let nothing = |thing| Err(ExperimentRefusal::Nothing { experiment: GraspExperiment::Prioritization.name(), thing });
-    if settings.trials == Some(0) {
-        return nothing("trials");
-    }
-    if settings.objects.is_empty() {
-        return nothing("objects");
-    }
-    if settings.robots.is_empty() {
-        return nothing("robots");
-    }
+    settings.check(GraspExperiment::Prioritization)?;
     let work = || {
         let objects = known_objects(settings)?;
         let trials = |condition: Condition| settings.trials.unwrap_or(condition.thesis_trials());
@@ -138,9 +130,12 @@ impl Series<'_> {
         let object = &self.objects[case.object];
         let fits = object.fits(&case.scene.objects[0].X_WO);
         let cell = workcell(&case.scene, &fits, &[], false, &self.settings.library).map_err(refused)?;
-        let Some(Ok(target)) = fits.fits.first() else { return Ok(Vec::new()) };
-        let candidates = grasp_candidates(&cell, target, Touched::Bodies, &case.scene.grasp).map_err(refused)?;
-        let mut grasps = ranked(&cell, &candidates, target, &case.scene, silent).map_err(refused)?;
+        let target = object.fit(&case.scene.objects[0].X_WO);
+        let candidates = grasp_candidates(&cell, &target, Touched::Bodies, &case.scene.grasp).map_err(refused)?;
+        // Ranked by score once, so that all that a score is made of is known to every order.
+        let rank = RankSettings { by: RankBy::Score, ..case.scene.rank.clone() };
+        let scored = Scene { rank, ..case.scene.clone() };
+        let mut grasps = ranked(&cell, &candidates, &target, &scored, silent).map_err(refused)?;
         let blank = PriorityCase::blank(self.robot, self.condition, number, &case, &object.name, &grasps);
         if blank.accepted == 0 {
             return Ok(vec![PriorityCase { excluded: Some(why(&grasps)), ..blank }]);
