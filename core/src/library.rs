@@ -16,8 +16,10 @@ pub struct Library {
     robots: Mutex<BTreeMap<String, Arc<Robot>>>,
     objects: Mutex<BTreeMap<String, Arc<HouseholdObject>>>,
     /// The robot with another hand that was asked for last: robot, arm, hand.
-    handed: Mutex<Option<(String, &'static str, HandDescription, Arc<Robot>)>>,
+    handed: Mutex<Option<Handed>>,
 }
+
+type Handed = (String, &'static str, HandDescription, Arc<Robot>);
 
 /// Why the library cannot give something.
 #[derive(Debug, thiserror::Error)]
