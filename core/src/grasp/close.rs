@@ -15,6 +15,8 @@ const CONTACTS_PER_LINK: usize = 4;
 const TOUCH_M: f64 = 1e-4;
 /// Gaps below this are measured with the tight distance, metres: a loose one would stop a finger in the air.
 const NEAR_M: f64 = 0.003;
+/// Gaps beyond this need not be known well, metres: about the size of a patch.
+const FAR_M: f64 = 0.02;
 /// Gaps below this are crossed by trying, metres: nothing that a hand holds is thinner.
 const STRIDE_M: f64 = 0.0015;
 /// Advances of one joint at most; each is as long as the gap allows, so ten are usual.
@@ -22,7 +24,8 @@ const MAX_ADVANCES: usize = 400;
 
 /// How deep the hand is inside the object: the worst link and its depth, metres; negative depths are gaps.
 ///
-/// Only depths above `floor_m` count: when there is none, the answer has that depth and link 0.
+/// Only depths above `floor_m` count: when there is none, the answer has that depth and link 0. A gap beyond
+/// [`FAR_M`] is told as that of the balls around the nearest spheres, which is smaller.
 pub(super) fn deepest(
     hand: &HandModel,
     X_HL: &[Isometry3<f64>],
@@ -33,19 +36,24 @@ pub(super) fn deepest(
 ) -> (usize, f64) {
     let mut worst = (0, floor_m);
     // The signed distance is a lower bound, so a ball that is clear of the object clears all it holds.
-    let is_clear = |X_OL: &Isometry3<f64>, (center, bound): &(Point3<f64>, f64), floor_m: f64| {
-        bound - object.signed_distance(&(X_OL * center)) < floor_m
+    let depth_of = |X_OL: &Isometry3<f64>, (center, radius): &(Point3<f64>, f64)| {
+        radius - object.signed_distance(&(X_OL * center))
     };
     for (index, (link, X_HL)) in hand.links.iter().zip(X_HL).enumerate() {
         if !only(index) {
             continue;
         }
         let X_OL = X_OH * X_HL;
-        if is_clear(&X_OL, &link.ball, worst.1) {
+        if depth_of(&X_OL, &link.ball) < worst.1 {
             continue;
         }
         for patch in &link.patches {
-            if patch.spheres.len() > 1 && is_clear(&X_OL, &patch.ball, worst.1) {
+            let depth = depth_of(&X_OL, &patch.ball);
+            if depth < worst.1 {
+                continue;
+            }
+            if depth < -FAR_M {
+                worst = (index, depth);
                 continue;
             }
             for (center, radius) in &patch.spheres {
@@ -140,6 +148,11 @@ pub(super) fn contacts(hand: &HandModel, positions: &[f64], X_OH: &Isometry3<f64
         for (_, p_O, radius_m) in near {
             if contacts.len() - first == CONTACTS_PER_LINK {
                 break;
+            }
+            // The foot is within the pad's give of the sphere: too near to another contact, whatever it is.
+            let apart = |c: &Contact| (c.p_O - p_O).norm() + radius_m + PAD_GIVE_M;
+            if contacts[first..].iter().any(|c| apart(c) < CONTACT_SPACING_M) {
+                continue;
             }
             let Some(foot) = object.contact(&p_O, radius_m, PAD_GIVE_M) else { continue };
             if contacts[first..].iter().all(|c: &Contact| (c.p_O - foot.p_F).norm() >= CONTACT_SPACING_M) {
