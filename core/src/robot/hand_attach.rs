@@ -343,7 +343,7 @@ mod tests {
         // The adapter is welded to the flange: part of the arm, not of what grasps.
         assert_eq!(model.links[0].name, "right_palm");
         // Knuckles at 50 mm, 60 mm of inner link leaning out by 0.5 rad, pads by 0.2 rad, 8 mm thick.
-        let knuckle_to_pad = 0.05 + 0.06 * 0.5f64.sin();
+        let knuckle_to_pad = 0.05 + 0.06 * crate::math::sin(0.5);
         let opening_m = model.opening_m();
         assert!((opening_m - 2.0 * (knuckle_to_pad - 0.008)).abs() < 0.012, "{opening_m}");
         let X_WL = robot.link_poses(&vec![0.0; robot.dof_count()]);
