@@ -57,13 +57,16 @@ pub struct Content<'a> {
     pub theme: Theme,
 }
 
+/// The meshes of each link's visuals.
+type LinkMeshes = Vec<Vec<Arc<Mesh>>>;
+
 /// Builds draw lists and keeps the meshes that several of them share.
 #[derive(Default)]
 pub struct Composer {
     table: Option<([f64; 3], Arc<Mesh>)>,
     boxes: Vec<(Vector3<f64>, Arc<Mesh>)>,
     fits: Vec<(Superquadric, Arc<Mesh>)>,
-    links: Option<(Arc<Robot>, Vec<Vec<Arc<Mesh>>>)>,
+    links: Option<(Arc<Robot>, LinkMeshes)>,
     cloud: Option<CloudCache>,
     glyphs: Option<grasps::Glyphs>,
 }

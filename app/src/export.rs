@@ -18,7 +18,7 @@ pub fn export_grasps(
     ranked: &[Grasp],
     format: ExportFormat,
 ) -> Result<String, String> {
-    let robot = assets::library().robot(&scene.robot).map_err(|error| error.to_string())?;
+    let robot = assets::library().robot_of(scene).map_err(|error| error.to_string())?;
     let arm_name = scene.arm.name();
     let arm = robot.arm(arm_name).ok_or_else(|| format!("{} has no {arm_name} arm", scene.robot))?;
     // What a dropped file shows has no other name than the file's.

@@ -15,6 +15,9 @@ use crate::viewer::{
     Tone, objective_title, unit_of,
 };
 
+/// How far from the hand's tool centre point its reason stands, metres.
+const BEHIND_PALM_M: f64 = 0.16;
+
 /// Composes pictures from the robots and demos inside the program.
 #[derive(Default)]
 pub struct BuiltInStudio {
@@ -194,7 +197,9 @@ fn labels(input: &ComposeInput<'_>, content: &Content<'_>) -> Vec<Label> {
 fn rejected_label(content: &Content<'_>) -> Option<Label> {
     let grasp = content.grasps.iter().find(|grasp| Some(grasp.id) == content.selected && !grasp.is_accepted())?;
     let X_WH = content.X_WO.or(content.X_WO_start)? * grasp.X_OH;
-    Some(Label { p_W: X_WH.translation.vector.into(), text: grasp.status.reason(), tone: Tone::Rejected })
+    // Behind the palm, where it hides neither the fingers nor the object.
+    let p_W = X_WH * Point3::new(0.0, 0.0, -BEHIND_PALM_M);
+    Some(Label { p_W, text: grasp.status.reason(), tone: Tone::Rejected })
 }
 
 /// Whether a joint between the robot's base and its first arm can move.

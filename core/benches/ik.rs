@@ -13,7 +13,7 @@ mod workload;
 
 use std::error::Error;
 
-use endcomfort_core::robot::ik::{IkSet, SrsArm};
+use endcomfort_core::robot::ik::{IkSet, IkSolution, SrsArm};
 use endcomfort_core::robot::read_urdf;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion};
 use report::{Report, now_ms};
@@ -30,12 +30,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     let work: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(folder.join("ik_work.json"))?)?;
     let poses: Vec<Vec<f64>> = serde_json::from_value(work["pose_p_then_R_rowmajor"].clone())?;
 
-    let (mut sweep_us, mut single_us, mut reached, mut wrong, mut found) = (Vec::new(), Vec::new(), 0, 0, 0);
+    let (mut sweep_us, mut single_us, mut arcs_us) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut reached, mut wrong, mut found, mut worst, mut outside) = (0, 0, 0, 0.0_f64, 0);
     let mut set = IkSet::default();
     for pose in &poses {
         let [x, y, z, rotation @ ..] = pose.as_slice() else { return Err("a pose is too short".into()) };
         let matrix = Matrix3::from_row_slice(rotation);
         let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(matrix));
+        // A matrix of few digits gives a quaternion that is as little off length 1.
+        let rotation = UnitQuaternion::from_quaternion(rotation.into_inner());
         let X_BH = Isometry3::from_parts(Translation3::new(*x, *y, *z), rotation);
         let mut timed = |angles: usize, times_us: &mut Vec<f64>| {
             let begin_ms = now_ms();
@@ -47,9 +50,18 @@ fn main() -> Result<(), Box<dyn Error>> {
         };
         timed(1, &mut single_us);
         timed(ANGLES, &mut sweep_us);
+        let begin_ms = now_ms();
+        let mut arcs = Vec::new();
+        for _ in 0..REPEATS {
+            arcs = arm.feasible_arcs(std::hint::black_box(&X_BH));
+        }
+        arcs_us.push((now_ms() - begin_ms) * 1e3 / REPEATS as f64);
+        let in_an_arc = |s: &&IkSolution| arcs.iter().any(|a| a.branch == s.branch && a.contains(s.arm_angle));
+        outside += set.solutions.len() - set.solutions.iter().filter(in_an_arc).count();
         let right = set.solutions.iter().filter(|solution| {
             let X_WL = robot.link_poses(&solution.q);
             let error = (X_WL[base].inverse() * X_WL[tip]).inv_mul(&X_BH);
+            worst = worst.max(error.translation.vector.norm()).max(2.0 * error.rotation.imag().norm());
             let limits = solution.q.iter().zip(arm.limits()).all(|(q, limit)| (limit.lower..=limit.upper).contains(q));
             error.translation.vector.norm() < 1e-4 && error.rotation.angle() < 1e-3 && limits
         });
@@ -60,9 +72,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let mut report = Report::new("ik", "of the workload");
     let per_pose = found as f64 / poses.len() as f64;
-    let note = format!("{reached} poses reached, {per_pose:.1} solutions per pose, {wrong} wrong");
+    let note = format!(
+        "{reached} poses reached, {per_pose:.1} solutions per pose, {wrong} wrong, worst off by {worst:.1e} m or rad"
+    );
+    let arcs_note = format!("{outside} solutions of the sweep outside of their branch's arcs");
     report.add("1 000 poses", "one arm angle", "µs", single_us, "");
     report.add("1 000 poses", format!("sweep of {ANGLES} arm angles"), "µs", sweep_us, note);
+    report.add("1 000 poses", "feasible arcs of all branches", "µs", arcs_us, arcs_note);
     report.print();
-    if wrong > 0 { Err(format!("{wrong} solutions are wrong").into()) } else { Ok(()) }
+    if wrong + outside > 0 { Err(format!("{wrong} solutions and {outside} arcs are wrong").into()) } else { Ok(()) }
 }

@@ -15,18 +15,11 @@ pub struct Library {
     read: Box<ReadFile>,
     robots: Mutex<BTreeMap<String, Arc<Robot>>>,
     objects: Mutex<BTreeMap<String, Arc<HouseholdObject>>>,
+    /// The robot with another hand that was asked for last: robot, arm, hand.
     handed: Mutex<Option<Handed>>,
 }
 
-/// The robot with another hand that was asked for last.
-struct Handed {
-    /// Name of the robot.
-    of: String,
-    /// Arm that bears the hand.
-    arm: &'static str,
-    hand: HandDescription,
-    robot: Arc<Robot>,
-}
+type Handed = (String, &'static str, HandDescription, Arc<Robot>);
 
 /// Why the library cannot give something.
 #[derive(Debug, thiserror::Error)]
@@ -84,15 +77,13 @@ impl Library {
         let arm = scene.arm.name();
         let mut handed = lock(&self.handed);
         match &*handed {
-            Some(known) if known.of == scene.robot && known.arm == arm && known.hand == *hand => {
-                Ok(known.robot.clone())
-            }
+            Some((of, at, known, robot)) if *of == scene.robot && *at == arm && known == hand => Ok(robot.clone()),
             _ => {
                 let loaded = robot
                     .with_hand(arm, hand, &|uri: &str| self.mesh(uri))
                     .map_err(|source| LibraryError::Hand { name: hand.name.clone(), source })?;
                 let robot = Arc::new(loaded.value);
-                *handed = Some(Handed { of: scene.robot.clone(), arm, hand: hand.clone(), robot: robot.clone() });
+                *handed = Some((scene.robot.clone(), arm, hand.clone(), robot.clone()));
                 Ok(robot)
             }
         }

@@ -204,6 +204,79 @@ fn check_tells_what_clouds_objects_scenes_and_robots_hold() {
     assert_eq!(reports[2]["notes"], serde_json::json!([]), "every mesh is found");
 }
 
+/// `ik` of the left arm of a bundled robot from one of its links, with a file of poses.
+fn ik<'a>(urdf: &'a str, base: &'a str, poses: &'a str) -> Vec<&'a str> {
+    vec!["ik", urdf, "--base", base, "--tip", "left_tcp", "--poses", poses]
+}
+
+#[test]
+fn ik_solves_poses_in_closed_form_with_a_torso_and_numerically_with_the_same_rows() {
+    let crichton = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots/crichton/crichton.urdf");
+    let crichton = crichton.to_string_lossy().into_owned();
+    // In front of the left shoulder, pointing down; then a metre beyond any arm.
+    let file = |name: &str, text: &str| {
+        let path = scratch(name);
+        std::fs::write(&path, text).unwrap();
+        path.to_string_lossy().into_owned()
+    };
+    let in_world = file("in_world.txt", "# x y z qx qy qz qw\n0.5 0.3 1.0 1 0 0 0\n2.5, 0.3, 1.0, 1, 0, 0, 0\n");
+    let in_arm = file("in_arm.txt", "0.1 0.2 0.9 0 0 0 1\n");
+    // Six joints: the second link of the arm is the base, so that no S-R-S arm is left.
+    for (base, poses, joints, method) in [
+        ("base", &in_world, 8, "closed form (S-R-S), first joint at"),
+        ("left_arm_base", &in_arm, 7, "closed form (S-R-S)"),
+        ("left_arm_1", &in_arm, 6, "numeric, since the arm is not S-R-S: 6 joints"),
+    ] {
+        let output = endcomfort(&[&ik(&crichton, base, poses)[..], &["--sweep", "24", "--json"]].concat());
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success() && said.contains(method), "{base}: {said}");
+        let rows = lines(&output);
+        has_keys(
+            &rows[0],
+            &["pose", "status", "reason", "q", "error_m", "error_rad", "first_us", "solutions", "sweep_us"],
+        );
+        assert_eq!(rows[0]["status"], "solved", "{base}: {}", rows[0]);
+        assert_eq!(rows[0]["q"].as_array().unwrap().len(), joints);
+        assert!(rows[0]["error_m"].as_f64().unwrap() < 1e-9 && rows[0]["error_rad"].as_f64().unwrap() < 1e-9);
+        assert!(!rows[0]["solutions"].as_array().unwrap().is_empty());
+        if let Some(far) = rows.get(1) {
+            assert_eq!(far["status"], "refused");
+            assert!(far["reason"].as_str().unwrap().starts_with("out of reach by "), "{far}");
+            assert!(said.contains("1 of 2 poses solved"), "{said}");
+        }
+    }
+    let text = endcomfort(&ik(&crichton, "left_arm_base", &in_arm));
+    assert!(text.status.success() && String::from_utf8_lossy(&text.stdout).contains("µs"));
+
+    let short = file("short.txt", "0 0 1 0 0 0 1\n0 0 1\n");
+    for (args, wanted) in [
+        (ik(&crichton, "left_arm_base", &short), "short.txt: line 2: found 3 numbers, wanted 7"),
+        (ik(&crichton, "no_such_link", &in_arm), "--base: found no link \"no_such_link\""),
+        (ik(&crichton, "right_arm_base", &in_arm), "does not descend from"),
+        (ik(&crichton, "left_arm_base", "no_such_file.txt"), "no_such_file.txt"),
+        (ik("no_such.urdf", "left_arm_base", &in_arm), "no_such.urdf"),
+    ] {
+        let output = endcomfort(&args);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{args:?}: {said}");
+        assert!(said.contains(wanted), "{args:?}: {said}");
+    }
+}
+
+#[test]
+fn ik_reaches_all_thousand_poses_of_the_shared_workload() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/bench/arm");
+    if !folder.is_dir() {
+        println!("skipped: no data (bench/arm)");
+        return;
+    }
+    let file = |name: &str| folder.join(name).to_string_lossy().into_owned();
+    let (urdf, poses) = (file("srs7.urdf"), file("ik_work.json"));
+    let rows = json(&["ik", &urdf, "--base", "base", "--tip", "tcp", "--poses", &poses, "--json"]);
+    assert_eq!(rows.len(), 1000);
+    assert!(rows.iter().all(|row| row["status"] == "solved" && row["error_m"].as_f64().unwrap() < 1e-9));
+}
+
 #[test]
 fn without_a_display_the_window_says_what_to_do_instead() {
     let output = endcomfort(&[]);

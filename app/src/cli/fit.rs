@@ -43,11 +43,11 @@ pub(super) struct Args {
     #[arg(long)]
     keep_outliers: bool,
     /// Position of the camera in the cloud's frame: x,y,z in metres. Default: what the file says.
-    #[arg(long, value_delimiter = ',', num_args = 3, allow_negative_numbers = true)]
-    camera: Option<Vec<f64>>,
+    #[arg(long, value_parser = input::numbers::<3>, allow_hyphen_values = true)]
+    camera: Option<[f64; 3]>,
     /// The table, `n · p = d`: nx,ny,nz,d in metres.
-    #[arg(long, value_delimiter = ',', num_args = 4, allow_negative_numbers = true)]
-    table: Option<Vec<f64>>,
+    #[arg(long, value_parser = input::numbers::<4>, allow_hyphen_values = true)]
+    table: Option<[f64; 4]>,
     /// A full clean cloud in the same frame, on which the errors are evaluated as well.
     #[arg(long)]
     reference: Option<PathBuf>,
@@ -132,7 +132,7 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
     if args.parts == 0 {
         return Err(Failure::new("--parts: found 0, wanted 1 or more"));
     }
-    let table = args.table.as_deref().map(table_plane).transpose()?;
+    let table = args.table.as_ref().map(table_plane).transpose()?;
     let reference = args.reference.as_deref().map(input::cloud_file).transpose()?;
     let reference = reference.map(|loaded| loaded.value.points);
     let mut failures = Vec::new();
@@ -155,7 +155,7 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
     }
 }
 
-fn table_plane(numbers: &[f64]) -> Result<Plane, Failure> {
+fn table_plane(numbers: &[f64; 4]) -> Result<Plane, Failure> {
     let normal = Vector3::new(numbers[0], numbers[1], numbers[2]);
     let length = normal.norm();
     let unit = Unit::try_new(normal, 1e-9)
@@ -185,7 +185,7 @@ fn fit_one(
     let cloud = loaded.value;
     let centroid = cloud.points.iter().map(|p| p.coords).sum::<Vector3<f64>>() / cloud.points.len().max(1) as f64;
     let X_FC = match &args.camera {
-        Some(p) => camera_looking_at(Vector3::new(p[0], p[1], p[2]), centroid),
+        Some(position) => camera_looking_at(Vector3::from(*position), centroid),
         None => cloud.X_FC,
     };
     let settings = FitSettings {

@@ -4,7 +4,7 @@ use endcomfort_core::grasp::{ApproachCone, ContactSurface, RankBy, Region, Weigh
 use endcomfort_core::scene::Scene;
 use nalgebra::{Point3, Vector3};
 
-use super::Failure;
+use super::{Failure, input};
 
 /// Half the opening angle of an approach cone that comes without one, degrees.
 const USUAL_CONE_DEG: f64 = 30.0;
@@ -36,14 +36,14 @@ pub(super) struct Options {
     #[arg(long, help_heading = "Candidates")]
     noise_deg: Option<f64>,
     /// Direction in the world in which the hand comes: x,y,z; 0,0,-1 comes from above.
-    #[arg(long, value_delimiter = ',', num_args = 3, allow_negative_numbers = true, help_heading = "Filters")]
-    approach: Option<Vec<f64>>,
+    #[arg(long, value_parser = input::numbers::<3>, allow_hyphen_values = true, help_heading = "Filters")]
+    approach: Option<[f64; 3]>,
     /// How far the hand may be off that direction, degrees [default: 30].
     #[arg(long, requires = "approach", help_heading = "Filters")]
     approach_cone: Option<f64>,
     /// Box in the world in which the hand holds the object: its centre x,y,z and half its edges, metres.
-    #[arg(long, value_delimiter = ',', num_args = 6, allow_negative_numbers = true, help_heading = "Filters")]
-    region: Option<Vec<f64>>,
+    #[arg(long, value_parser = input::numbers::<6>, allow_hyphen_values = true, help_heading = "Filters")]
+    region: Option<[f64; 6]>,
     /// The only part of a composite object that may be held; 0 is its main body.
     #[arg(long, help_heading = "Filters")]
     part: Option<usize>,
@@ -91,13 +91,13 @@ impl Options {
         set(&mut grasp.noise.trials, self.noise_trials);
         set(&mut grasp.noise.position_m, self.noise_mm.map(|mm| 1e-3 * mm));
         set(&mut grasp.noise.rotation_rad, self.noise_deg.map(f64::to_radians));
-        if let Some([x, y, z]) = self.approach.as_deref() {
+        if let Some(axis) = self.approach {
             let half_angle_rad = self.approach_cone.unwrap_or(USUAL_CONE_DEG).to_radians();
-            grasp.filter.approach = Some(ApproachCone { axis_W: Vector3::new(*x, *y, *z), half_angle_rad });
+            grasp.filter.approach = Some(ApproachCone { axis_W: Vector3::from(axis), half_angle_rad });
         }
-        if let Some([x, y, z, hx, hy, hz]) = self.region.as_deref() {
-            let half_m = Vector3::new(*hx, *hy, *hz);
-            grasp.filter.region = Some(Region { center_W: Point3::new(*x, *y, *z), half_m });
+        if let Some([x, y, z, hx, hy, hz]) = self.region {
+            let half_m = Vector3::new(hx, hy, hz);
+            grasp.filter.region = Some(Region { center_W: Point3::new(x, y, z), half_m });
         }
         grasp.filter.part = self.part.or(grasp.filter.part);
         set(&mut grasp.filter.min_clearance_m, self.clearance);

@@ -25,7 +25,7 @@ pub(super) struct Args {
     #[arg(long, value_enum)]
     arm: Option<ArmName>,
     /// Goal of the object: x,y,z in metres, optionally followed by a rotation qx,qy,qz,qw.
-    #[arg(long, value_delimiter = ',', allow_negative_numbers = true)]
+    #[arg(long, value_delimiter = ',', allow_hyphen_values = true)]
     place: Option<Vec<f64>>,
     /// A hand of your own at the acting arm: a hand description (.json).
     #[arg(long)]

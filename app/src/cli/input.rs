@@ -14,6 +14,14 @@ use crate::assets;
 /// Largest file that is read, bytes.
 const MAX_FILE_BYTES: u64 = 1 << 30;
 
+/// Numbers between commas, exactly so many: `0.5,-0.1,0.8`.
+pub(super) fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
+    let found: Result<Vec<f64>, _> = text.split(',').map(|number| number.trim().parse::<f64>()).collect();
+    let found = found.map_err(|_| format!("wanted {N} numbers between commas"))?;
+    let count = found.len();
+    <[f64; N]>::try_from(found).map_err(|_| format!("found {count} numbers, wanted {N} between commas"))
+}
+
 /// The content of a file.
 pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, Failure> {
     let shown = path.display();
@@ -88,4 +96,17 @@ pub(super) fn request(name: &str, robot: Option<&str>, common: &Common) -> Resul
 
 fn scene_for_clouds() -> Result<Scene, Failure> {
     assets::demo(assets::DEMOS[0]).ok_or_else(|| Failure::new("the first demo is missing"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_counted_and_may_be_negative() {
+        assert_eq!(numbers::<3>("-0.5, 0,1e-3"), Ok([-0.5, 0.0, 1e-3]));
+        for text in ["1,2", "1,2,3,4", "1,2,x", ""] {
+            assert!(numbers::<3>(text).is_err_and(|error| error.contains("wanted 3")), "{text:?}");
+        }
+    }
 }

@@ -6,6 +6,7 @@ mod experiment_grasps;
 mod fit;
 mod grasp_options;
 mod grasps;
+mod ik;
 mod input;
 mod pictures;
 mod plan;
@@ -49,13 +50,15 @@ enum Command {
     /// Fits a superquadric to each cloud.
     Fit(fit::Args),
     /// Ranks the grasps of an object.
-    Grasps(grasps::Args),
+    Grasps(Box<grasps::Args>),
     /// Plans a task.
     Plan(plan::Args),
     /// Draws one picture without a window.
     Render(render::Args),
     /// Measures the thesis's tables again.
     Experiment(experiment::Args),
+    /// Solves a file of hand poses for the joints of a robot's arm.
+    Ik(ik::Args),
     /// Loads files and says what they hold and what is wrong with them.
     Check(check::Args),
 }
@@ -119,6 +122,7 @@ pub fn main() -> ExitCode {
         Some(Command::Plan(args)) => plan::run(&args, &common),
         Some(Command::Render(args)) => render::run(&args, &common),
         Some(Command::Experiment(args)) => experiment::run(&args, &common),
+        Some(Command::Ik(args)) => ik::run(&args, &common),
         Some(Command::Check(args)) => check::run(&args, &common),
     };
     match outcome {

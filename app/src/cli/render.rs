@@ -21,8 +21,8 @@ pub(super) struct Args {
     #[arg(long, default_value = "1440x900", value_parser = size)]
     size: [u32; 2],
     /// Where the camera stands and looks: x,y,z,tx,ty,tz in metres.
-    #[arg(long, value_delimiter = ',', num_args = 6, allow_negative_numbers = true)]
-    camera: Option<Vec<f64>>,
+    #[arg(long, value_parser = input::numbers::<6>, allow_hyphen_values = true)]
+    camera: Option<[f64; 6]>,
     /// Time in the plan, seconds; before it, the first moment; without it, no plan is made.
     #[arg(long)]
     time: Option<f64>,
@@ -64,7 +64,7 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
     }
     let settings = PictureSettings {
         size_px: args.size,
-        camera: args.camera.as_deref().map(|c| ([c[0], c[1], c[2]], [c[3], c[4], c[5]])),
+        camera: args.camera.map(|[x, y, z, tx, ty, tz]| ([x, y, z], [tx, ty, tz])),
         time_s: args.time,
         transparent: args.transparent,
         theme: match args.theme {

@@ -8,7 +8,8 @@ use endcomfort_core::mesh::Mesh;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
 use super::{Composer, Content, Palette};
-use crate::render::{ColorMap, Frame, LineDraw, MeshDraw, Scale, Surface, shapes};
+use crate::render::shapes::{self, ProfileVertex};
+use crate::render::{ColorMap, Frame, LineDraw, MeshDraw, Scale, Surface};
 use crate::viewer::{Layer, Pick};
 
 /// Height of a friction cone, metres.
@@ -47,11 +48,24 @@ pub fn quantity_scale(grasps: &[Grasp], quantity: Quantity) -> Scale {
 }
 
 /// A grasp as a pin: its foot at the origin, its stem and head along -z, where the hand comes from.
+///
+/// One hundred triangles: there are thousands of pins, and some machines draw without a GPU.
 fn pin() -> Mesh {
-    let (length_m, radius_m) = (0.05, 0.0011);
-    let mut pin = shapes::cylinder(radius_m, length_m).transformed(&Isometry3::translation(0.0, 0.0, -0.5 * length_m));
-    pin.append(&shapes::bead(4.0 * radius_m).transformed(&Isometry3::translation(0.0, 0.0, -length_m)));
-    pin
+    let (length_m, radius_m, head_m) = (0.05, 0.0011, 0.0044);
+    let vertex = |radius: f64, z: f64, normal: [f64; 2]| ProfileVertex { radius, z, normal };
+    let mut profile: Vec<ProfileVertex> = (-2..=2)
+        .map(|step| {
+            let (sin, cos) = (f64::from(step) * std::f64::consts::FRAC_PI_4).sin_cos();
+            vertex(head_m * cos.max(0.0), head_m * sin - length_m, [cos, sin])
+        })
+        .collect();
+    profile[0].radius = 0.0;
+    if let Some(neck) = profile.last_mut() {
+        *neck = vertex(radius_m, neck.z, [1.0, 0.0]);
+    }
+    profile.push(vertex(radius_m, 0.0, [1.0, 0.0]));
+    profile.push(vertex(0.0, 0.0, [0.0, 1.0]));
+    shapes::revolve(&profile, 10)
 }
 
 /// A cone with its tip at the origin, open along z; its half angle is that of friction, `atan μ`.

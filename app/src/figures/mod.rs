@@ -60,7 +60,7 @@ impl Picture<'_> {
             hovered: None,
             selected: None,
             colored_by: Quantity::MgStart,
-            filter: None,
+            filter: Some(&self.scene.grasp.filter),
             lab: None,
             theme: settings.theme,
         };

@@ -357,3 +357,28 @@ impl Meshes {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Isometry3;
+
+    use super::*;
+    use crate::render::shapes;
+
+    #[test]
+    fn thousands_of_glyphs_of_one_mesh_are_one_draw_opaque_or_not() {
+        let mesh = Arc::new(shapes::bead(0.01));
+        for opacity in [1.0, 0.5] {
+            let glyph = |k: u32| MeshDraw {
+                mesh: mesh.clone(),
+                X_WM: Isometry3::translation(f64::from(k % 70), f64::from(k / 70), 0.0),
+                color: [1.0, 1.0, 1.0, opacity],
+                surface: Surface::Unlit,
+                pick_id: k,
+            };
+            let frame = Frame { meshes: (0..5000).map(glyph).collect(), ..Frame::default() };
+            let plan = Plan::new(&frame, &Camera::default(), &Point3::origin(), &mut BoundsCache::default());
+            assert_eq!((plan.unlit.len() + plan.clear.len(), plan.instances.len()), (1, 5000), "opacity {opacity}");
+        }
+    }
+}

@@ -252,7 +252,9 @@ impl ViewerState {
         self.running = true;
         self.forget_drag();
         let mut request = self.document.request(self.revision);
-        let missing = |stage: &Stage| self.outputs.revision(*stage) != Some(self.revision);
+        // A run that was overtaken may not have come to tell the qualities: then the ranking is told once more.
+        let is_half = |stage: Stage| stage == Stage::Rank && self.outputs.lacks_qualities();
+        let missing = |stage: &Stage| self.outputs.revision(*stage) != Some(self.revision) || is_half(*stage);
         request.first = Stage::ALL.into_iter().find(missing).unwrap_or(Stage::Plan);
         vec![Effect::Run(Box::new(request))]
     }

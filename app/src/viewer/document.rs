@@ -55,7 +55,7 @@ impl Document {
         let scene = Arc::make_mut(&mut theirs.scene);
         scene.grasp = self.scene.grasp.clone();
         (scene.robot, scene.posture) = (self.scene.robot.clone(), self.scene.posture.clone());
-        (scene.arm, scene.torso) = (self.scene.arm, self.scene.torso);
+        (scene.arm, scene.torso, scene.hand) = (self.scene.arm, self.scene.torso, self.scene.hand.clone());
         if theirs == *self {
             return Stage::Grasps;
         }

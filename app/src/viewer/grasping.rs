@@ -169,7 +169,11 @@ impl ViewerState {
             }
             GraspCommand::Settings(settings) => return self.edit_checked(|scene| scene.grasp = settings),
             GraspCommand::Preview(filter) => self.grasping.preview = Some(filter),
-            GraspCommand::DrawRegion(draws) => self.grasping.draws_region = draws,
+            GraspCommand::DrawRegion(draws) => {
+                self.grasping.draws_region = draws;
+                // In a narrow window the inspector would lie over the object.
+                self.drawer = self.drawer.filter(|_| !draws);
+            }
             GraspCommand::SetRegion(region) => {
                 self.grasping.draws_region = false;
                 return self.edit_checked(|scene| scene.grasp.filter.region = Some(region));

@@ -159,6 +159,12 @@ impl Outputs {
         self.ranks_these && self.rank.is_some()
     }
 
+    /// Whether accepted grasps still wait for what is told after the plan.
+    pub(super) fn lacks_qualities(&self) -> bool {
+        let mut accepted = self.rank.iter().flat_map(|rank| &rank.grasps).filter(|grasp| grasp.is_accepted());
+        accepted.any(|grasp| grasp.volume.is_none())
+    }
+
     /// The candidate of this number.
     pub fn candidate(&self, id: u32) -> Option<&Grasp> {
         self.candidates().iter().find(|grasp| grasp.id == id)

@@ -31,6 +31,8 @@ impl ViewerState {
             "step": self.selection.step.title().to_lowercase(),
             "candidates": outputs.candidates().len(),
             "accepted": outputs.rank.as_ref().map(|rank| rank.accepted),
+            "ranked_by": self.document.scene.rank.by,
+            "colored_by": self.shown_quantity(),
             "selected_grasp": self.selection.grasp,
             "planned_grasp": outputs.plan.as_ref().map(|plan| plan.grasp.id),
             "duration_s": self.duration_s(),

@@ -77,8 +77,11 @@ pub(crate) fn core_distance(a: &Placed<'_>, b: &Placed<'_>, towards: &Vector3<f6
     }
 }
 
+type Corners = Vec<Vector3<f64>>;
+type Triangles = Vec<[u32; 3]>;
+
 /// The corners and triangles of the convex hull of some points; `None` when they span no volume.
-pub(crate) fn hull_of(points: &[Vector3<f64>]) -> Option<(Vec<Vector3<f64>>, Vec<[u32; 3]>)> {
+pub(crate) fn hull_of(points: &[Vector3<f64>]) -> Option<(Corners, Triangles)> {
     if !spans_volume(points) {
         return None;
     }

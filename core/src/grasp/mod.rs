@@ -32,6 +32,8 @@ pub use volume::volume;
 use nalgebra::{Isometry3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
+use crate::robot::ik::Arc;
+
 /// A hand pose at the object with closed fingers, or the reason why there is none.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Grasp {
@@ -142,6 +144,9 @@ pub struct Situated {
     pub solutions: Vec<Vec<f64>>,
     /// Manipulability (5.1) of each solution.
     pub manipulability: Vec<f64>,
+    /// Arm angles that the joint limits allow, collisions not asked; empty for an arm without closed form.
+    #[serde(default)]
+    pub feasible: Vec<Arc>,
     /// Indices of solutions from which the hand can come and go straight with and without the object, the most
     /// manipulable first: as many as a planner needs, not all there are.
     #[serde(default)]

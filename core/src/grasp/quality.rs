@@ -30,6 +30,12 @@ pub fn epsilon(contacts: &[Contact], friction: f64, center_O: &Point3<f64>, size
     Hull::new(&wrenches).map_or(0.0, |mut hull| hull.inner_radius())
 }
 
+/// Whether every wrench can be resisted: ε > 0, answered sooner.
+pub(super) fn has_force_closure(contacts: &[Contact], friction: f64, center_O: &Point3<f64>, size_m: f64) -> bool {
+    let wrenches = wrenches(contacts, friction, center_O, size_m);
+    Hull::new(&wrenches).is_some_and(|mut hull| hull.holds_origin())
+}
+
 /// Wrenches `[f; τ / size]` of all cone edges.
 pub(super) fn wrenches(contacts: &[Contact], friction: f64, center_O: &Point3<f64>, size_m: f64) -> Vec<Wrench> {
     let mut wrenches = Vec::with_capacity(contacts.len() * CONE_EDGES);
@@ -108,9 +114,23 @@ impl<'a> Hull<'a> {
 
     /// Distance from the origin to the hull's boundary; 0 when the origin is outside.
     fn inner_radius(&mut self) -> f64 {
+        self.grow(|offset| offset == f64::INFINITY)
+    }
+
+    /// Whether the origin is inside: as soon as the part of the hull that is built holds it, all of the hull does.
+    fn holds_origin(&mut self) -> bool {
+        self.grow(|offset| offset > ON_HULL) > ON_HULL
+    }
+
+    /// Builds the hull where it is nearest to the origin until that facet is final, or its offset is enough; the
+    /// offset, 0 when the origin is outside.
+    fn grow(&mut self, is_enough: impl Fn(f64) -> bool) -> f64 {
         loop {
             let Some(nearest) = self.facets.iter().min_by(|a, b| a.offset.total_cmp(&b.offset)) else { return 0.0 };
             let (normal, offset) = (nearest.normal, nearest.offset);
+            if is_enough(offset) {
+                return offset;
+            }
             let Some((farthest, reach)) =
                 self.points.iter().map(|p| normal.dot(p)).enumerate().max_by(|a, b| a.1.total_cmp(&b.1))
             else {
@@ -227,6 +247,7 @@ mod tests {
             let contacts = ring(0.0025 + 0.005 * f64::from(step));
             let is_closed = epsilon(&contacts, 0.5, &Point3::origin(), 0.04) > 0.0;
             assert_eq!(is_closed, !is_separable(&contacts, 0.04), "rise of {} mm", 2.5 + 5.0 * f64::from(step));
+            assert_eq!(is_closed, has_force_closure(&contacts, 0.5, &Point3::origin(), 0.04));
         }
         assert!(!is_separable(&six_sided(), 1.0));
     }

@@ -136,9 +136,12 @@ pub fn rank(grasps: &mut [Grasp], settings: &RankSettings, seed: u64) {
     });
 }
 
+/// A term's value, 0 or more.
+type ValueOf = fn(&Grasp) -> f64;
+
 /// The scores of all accepted grasps.
 fn score(grasps: &mut [Grasp], weights: &Weights) {
-    let terms: [(&str, f64, fn(&Grasp) -> f64); 6] = [
+    let terms: [(&str, f64, ValueOf); 6] = [
         ("m_g_goal", weights.m_g_goal, |g| Quantity::MgGoal.of(g).unwrap_or(0.0)),
         ("m_g_start", weights.m_g_start, |g| Quantity::MgStart.of(g).unwrap_or(0.0)),
         ("ik_count", weights.ik_count, |g| {

@@ -4,7 +4,7 @@ use nalgebra::Isometry3;
 
 use super::{Obstruction, Situated};
 use crate::robot::ik::ArmIk;
-use crate::robot::{Arm, Robot};
+use crate::robot::{Arm, Dexterity, Robot};
 
 /// The arm, and what decides whether one of its configurations may be used.
 pub struct Reach<'a> {
@@ -27,29 +27,30 @@ impl Reach<'_> {
     pub fn situate(&self, X_WH: &Isometry3<f64>, mut hit: impl FnMut(&[f64]) -> Option<Obstruction>) -> Situated {
         let X_WB = self.robot.link_poses(self.q_rest)[self.arm.base_link];
         let q_now: Vec<f64> = self.arm.dofs.iter().map(|&dof| self.q_rest[dof]).collect();
-        let found = self.ik.set(&X_WB.inv_mul(X_WH), &q_now, self.arm_angles);
+        let X_BH = X_WB.inv_mul(X_WH);
+        let found = self.ik.set(&X_BH, &q_now, self.arm_angles);
 
-        let mut situated = Situated::default();
+        let feasible = self.ik.closed_form().map(|arm| arm.feasible_arcs(&X_BH)).unwrap_or_default();
+        let mut situated = Situated { feasible, ..Situated::default() };
         let mut reasons: Vec<(Obstruction, usize)> = Vec::new();
         let mut turn_away = |reason: Obstruction| match reasons.iter_mut().find(|(known, _)| *known == reason) {
             Some((_, count)) => *count += 1,
             None => reasons.push((reason, 1)),
         };
         found.rejected.iter().for_each(|reject| turn_away(reject.into()));
-        let mut q = self.q_rest.to_vec();
-        let mut X_WL = Vec::new();
+        let mut free: Vec<f64> = Vec::new();
         for solution in found.iter() {
-            if let Some(reason) = hit(solution) {
-                turn_away(reason);
-                continue;
+            match hit(solution) {
+                Some(reason) => turn_away(reason),
+                None => {
+                    free.extend_from_slice(solution);
+                    situated.solutions.push(solution.to_vec());
+                }
             }
-            for (&dof, &position) in self.arm.dofs.iter().zip(solution) {
-                q[dof] = position;
-            }
-            self.robot.link_poses_into(&q, &mut X_WL);
-            situated.manipulability.push(self.robot.manipulability(self.arm, &X_WL));
-            situated.solutions.push(solution.to_vec());
         }
+        let mut placed = Vec::new();
+        Dexterity::new(self.ik.chain()).all(&free, &mut placed);
+        situated.manipulability = placed.iter().map(|placed| placed.manipulability).collect();
         situated.ik_count = situated.solutions.len();
         if situated.ik_count > 0 {
             situated.m_g = situated.manipulability.iter().sum::<f64>() / situated.ik_count as f64;

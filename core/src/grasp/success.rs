@@ -9,7 +9,8 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use super::bodies::{Bodies, Touched};
 use super::candidates::is_opposed;
-use super::{Grasp, GraspSettings, HandModel, Quality, Success, close, epsilon, volume};
+use super::quality::has_force_closure;
+use super::{Grasp, GraspSettings, HandModel, Quality, Success, close, volume};
 use crate::rng::Rng;
 use crate::superquadric::Superquadric;
 
@@ -77,7 +78,7 @@ impl<'a> Trials<'a> {
         let contacts = close::contacts(hand, &closed, X_OH, bodies);
         contacts.len() >= self.settings.min_contacts
             && is_opposed(&contacts, X_OH)
-            && epsilon(&contacts, self.settings.friction, &bodies.center_O, bodies.size_m) > 0.0
+            && has_force_closure(&contacts, self.settings.friction, &bodies.center_O, bodies.size_m)
     }
 }
 

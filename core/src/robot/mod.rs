@@ -1,6 +1,7 @@
 //! Robots: URDF + SRDF, kinematics, limits, hands, inverse kinematics.
 
 mod chain;
+mod dexterity;
 mod error;
 mod hand_attach;
 mod hand_description;
@@ -14,10 +15,12 @@ pub(crate) mod samples;
 mod shapes_test;
 mod srdf;
 mod tree;
+mod trig;
 mod urdf;
 mod xml;
 
 pub use chain::{Chain, ChainError, ChainState};
+pub use dexterity::{Dexterity, Placed};
 pub use error::{MAX_LINKS, RobotError};
 pub use hand_description::{HAND_VERSION, HandDescription, HandError, HandFrame, Placement};
 pub use model::{

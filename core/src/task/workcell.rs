@@ -176,7 +176,7 @@ impl Workcell {
     pub fn supports(&self, X_WO: &Isometry3<f64>) -> Vec<String> {
         let near_piece = |piece_O| self.world.near_hull(piece_O, X_WO, REST_DEPTH_M);
         let mut names: Vec<String> = Vec::new();
-        for (name, _) in self.target_O.iter().flat_map(|piece_O| near_piece(piece_O)) {
+        for (name, _) in self.target_O.iter().flat_map(near_piece) {
             if !names.contains(&name) {
                 names.push(name);
             }

@@ -254,6 +254,7 @@ fn candidates() -> Vec<Grasp> {
             .map(|i| m_g + 0.5 * m_g * ((i as f64 * 0.7).sin() + (i as f64 * 1.3).cos()) / 2.0)
             .collect(),
         rejected: vec![(Obstruction::JointLimit { joint: 6 }, 40), (elbow_meets_table(), 12)],
+        ..Situated::default()
     };
     (0..412_u32)
         .map(|i| {

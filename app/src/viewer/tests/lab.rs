@@ -1,77 +1,18 @@
 //! The fit lab on the program's own scenes, from the pipeline to the pixels.
 
-use std::sync::Arc;
-
-use egui::{Key, Theme, Vec2};
+use egui::{Key, Theme};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state, default_wgpu_setup};
 use endcomfort_core::fit::{DeformMode, FitSettings, MirrorMode, ObjectiveKind};
-use endcomfort_core::job::{Request, SetShape, Stage, Update};
-use endcomfort_core::pipeline::Pipeline;
+use endcomfort_core::job::{SetShape, Stage, Update};
 use endcomfort_core::superquadric::Superquadric;
-use image::RgbaImage;
 
 use super::Page;
-use crate::assets;
-use crate::studio::BuiltInStudio;
+use super::bench::{Bench, picture, window};
 use crate::viewer::state::Step;
-use crate::viewer::view3d::View3d;
-use crate::viewer::{
-    Command, Document, Effect, FitView, LabCommand, LabPage, Studio as _, ViewerState, draw_panels, theme,
-};
-
-/// The interface with a worker that answers at once.
-struct Bench {
-    page: Page,
-    pipeline: Pipeline,
-    /// Requests in the order in which they were made.
-    asked: Vec<Request>,
-    /// The last stage that the worker takes part in: later ones have nothing to do with the lab.
-    last: Stage,
-}
+use crate::viewer::{Command, Effect, FitView, LabCommand, LabPage};
 
 impl Bench {
-    /// A demo, fitted, with the lab open.
-    fn new(demo: &str) -> Self {
-        let studio = BuiltInStudio::default();
-        let scene = Arc::new(assets::demo(demo).expect("the demo is there"));
-        let state = ViewerState::new(Document::new(scene), studio.demos(), studio.robots());
-        let page = Page { state, effects: Vec::new(), commands: Vec::new() };
-        let mut bench = Self { page, pipeline: Pipeline::new(assets::library()), asked: Vec::new(), last: Stage::Fit };
-        let effects = bench.page.state.run();
-        bench.carry_out(effects);
-        bench.apply(Command::SelectStep(Step::Stage(Stage::Fit)));
-        bench
-    }
-
-    fn apply(&mut self, command: Command) {
-        let effects = self.page.state.apply(command);
-        self.carry_out(effects);
-    }
-
-    fn lab(&mut self, command: LabCommand) {
-        self.apply(Command::Lab(command));
-    }
-
-    fn carry_out(&mut self, effects: Vec<Effect>) {
-        for effect in effects {
-            let Effect::Run(request) = effect else { continue };
-            for update in self.answers(&request) {
-                let more = self.page.state.receive(update);
-                self.carry_out(more);
-            }
-        }
-    }
-
-    fn answers(&mut self, request: &Request) -> Vec<Update> {
-        self.asked.push(request.clone());
-        let request = Request { last: request.last.min(self.last), ..request.clone() };
-        let mut updates = Vec::new();
-        crate::jobs::run(&mut self.pipeline, &request, &|| false, &mut |update| updates.push(update));
-        updates
-    }
-
     fn radial_m(&self) -> f64 {
         self.page.state.examined_fit().expect("there is a fit").radial_m
     }
@@ -240,46 +181,6 @@ fn a_comparison_can_be_stopped() {
     assert!(!bench.page.state.is_comparing() && !bench.page.state.running);
 }
 
-/// The window: view, panels and a worker that answers at once.
-struct Window {
-    bench: Bench,
-    view: View3d,
-    studio: BuiltInStudio,
-}
-
-fn window(bench: Bench, size: [f32; 2], dark: bool) -> Harness<'static, Window> {
-    let gpu = create_render_state(default_wgpu_setup(), eframe::egui_wgpu::RendererOptions::PREDICTABLE);
-    let renderer = WgpuTestRenderer::from_render_state(gpu.clone());
-    let window = Window { bench, view: View3d::new(&gpu), studio: BuiltInStudio::default() };
-    let show = |ui: &mut egui::Ui, window: &mut Window| {
-        let rect = ui.ctx().content_rect();
-        let mut ui = ui.new_child(egui::UiBuilder::new().max_rect(rect));
-        ui.set_clip_rect(rect);
-        let mut commands = window.view.show(&mut ui, &window.bench.page.state, &mut window.studio);
-        commands.extend(draw_panels(&mut ui, &window.bench.page.state));
-        for command in commands {
-            window.bench.apply(command);
-        }
-    };
-    Harness::builder()
-        .with_size(Vec2::from(size))
-        .with_theme(if dark { Theme::Dark } else { Theme::Light })
-        .with_max_steps(24)
-        .renderer(renderer)
-        .with_context_setup(theme::install)
-        .build_ui_state(show, window)
-}
-
-fn picture(harness: &mut Harness<'_, Window>, name: &str) -> RgbaImage {
-    // Long enough for the camera to arrive.
-    harness.run_steps(40);
-    let picture = harness.render().expect("the software rasteriser draws");
-    if let Some(folder) = std::env::var_os("ENDCOMFORT_LOOK") {
-        picture.save(std::path::Path::new(&folder).join(format!("lab-{name}.png"))).expect("it can be written");
-    }
-    picture
-}
-
 #[test]
 fn the_lab_draws_the_fit_in_three_ways_with_a_legend() {
     for (demo, size, dark) in
@@ -289,7 +190,7 @@ fn the_lab_draws_the_fit_in_three_ways_with_a_legend() {
         let mut pictures = Vec::new();
         for view in FitView::ALL {
             harness.state_mut().bench.lab(LabCommand::View(view));
-            pictures.push(picture(&mut harness, &format!("{demo}-{}", view.title().to_lowercase())));
+            pictures.push(picture(&mut harness, &format!("lab-{demo}-{}", view.title().to_lowercase())));
             assert_eq!(harness.query_all_by_label_contains("input points").count(), 1, "the legend of {demo}");
         }
         assert!(pictures[0] != pictures[1] && pictures[1] != pictures[2]);
@@ -317,7 +218,7 @@ fn v_goes_through_the_ways_and_a_typed_number_sets_the_shape() {
     let shape = harness.state().bench.page.state.document.shape.expect("it was set");
     assert!((shape.superquadric.a - 0.0615).abs() < 1e-12, "{shape:?}");
     assert_ne!(harness.state().bench.radial_m(), fitted_m);
-    let _picture = picture(&mut harness, "by-hand");
+    let _picture = picture(&mut harness, "lab-by-hand");
     harness.get_by_label("Back to the fit").click();
     harness.run_steps(3);
     assert_eq!(harness.state().bench.radial_m(), fitted_m);
@@ -358,7 +259,7 @@ fn dragging_a_number_moves_the_error_and_hovering_an_objective_draws_it() {
     harness.hover_at(row.center());
     harness.run_steps(3);
     assert_eq!(harness.state().bench.page.state.lab.hovered, Some(ObjectiveKind::Solina));
-    let _picture = picture(&mut harness, "compare");
+    let _picture = picture(&mut harness, "lab-compare");
     harness.get_by_label_contains("Objective Solina").click();
     harness.run_steps(3);
     assert_eq!(harness.state().bench.page.state.scene().fit.objective, ObjectiveKind::Solina);

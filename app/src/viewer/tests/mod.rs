@@ -1,6 +1,8 @@
 //! The panels as a person meets them: laid out by egui, found by what assistive technology reads.
 
 mod behaviour;
+mod bench;
+mod grasping;
 mod invented;
 mod lab;
 mod pictures;

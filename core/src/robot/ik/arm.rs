@@ -4,25 +4,22 @@ use std::fmt;
 
 use nalgebra::Isometry3;
 
+use super::led::LedArm;
 use super::numeric::NumericArm;
 use super::{IkReject, IkSet, NotSrs, SrsArm};
-use crate::robot::{Arm, Chain, ChainError, JointKind, JointLimit, Robot};
+use crate::robot::{Arm, Chain, ChainError, JointLimit, Robot};
 
-/// Arm angles at which a first solution is looked for.
-const FIRST_ANGLES: usize = 36;
-/// Positions of each joint before an S-R-S arm, besides the present one.
-pub const EXTRA_SAMPLES: usize = 5;
-/// Most joints before an S-R-S arm that are sampled; a longer chain is solved numerically.
-const MAX_EXTRA: usize = 2;
-
+/// Arm angles tried for a first solution before the feasible arcs are asked, radians.
+const FIRST_ANGLES: [f64; 5] = [0.0, 1.3, -1.3, 2.5, -2.5];
+/// Arm angles whose reasons are counted when none is feasible.
+const REASON_ANGLES: usize = 36;
 /// The inverse kinematics of an arm: closed form where the arm allows it, numeric where it does not.
 ///
 /// Postures are joint vectors in the order of [`Arm::dofs`], as long as that list.
 #[derive(Clone, Debug)]
 pub struct ArmIk {
     kind: Kind,
-    limits: Vec<JointLimit>,
-    names: Vec<String>,
+    chain: Chain,
 }
 
 #[derive(Clone, Debug)]
@@ -30,7 +27,7 @@ enum Kind {
     /// Seven joints in closed form.
     Srs(Box<SrsArm>),
     /// Joints that are sampled, then seven in closed form.
-    Led { lead: Box<Chain>, srs: Box<SrsArm>, samples: usize },
+    Led(Box<LedArm>),
     /// Step by step.
     Numeric { arm: Box<NumericArm>, because: NotSrs },
 }
@@ -112,21 +109,23 @@ impl ArmIk {
     }
 
     fn solving(robot: &Robot, chain: Chain, base_link: usize, tip_link: usize) -> Self {
-        let (limits, names) = (chain.limits().to_vec(), chain.joint_names().to_vec());
         let kind = match SrsArm::between(robot, base_link, tip_link) {
             Ok(srs) => Kind::Srs(Box::new(srs)),
-            Err(because) => led(robot, base_link, tip_link).unwrap_or_else(|seven| Kind::Numeric {
-                arm: Box::new(NumericArm::new(robot, chain)),
-                because: seven.unwrap_or(because),
-            }),
+            Err(because) => match LedArm::between(robot, base_link, tip_link) {
+                Ok(led) => Kind::Led(Box::new(led)),
+                Err(seven) => Kind::Numeric {
+                    arm: Box::new(NumericArm::new(robot, chain.clone())),
+                    because: seven.unwrap_or(because),
+                },
+            },
         };
-        Self { kind, limits, names }
+        Self { kind, chain }
     }
 
     /// The same with another number of positions for each joint before an S-R-S arm, besides the present one.
     pub fn with_samples(mut self, count: usize) -> Self {
-        if let Kind::Led { samples, .. } = &mut self.kind {
-            *samples = count;
+        if let Kind::Led(led) = &mut self.kind {
+            led.samples = count;
         }
         self
     }
@@ -144,7 +143,7 @@ impl ArmIk {
     pub fn method(&self) -> IkMethod {
         match &self.kind {
             Kind::Srs(_) => IkMethod::ClosedForm,
-            Kind::Led { lead, samples, .. } => IkMethod::Sampled { joints: lead.dofs().len(), samples: samples + 1 },
+            Kind::Led(led) => IkMethod::Sampled { joints: led.extra_joints(), samples: led.samples + 1 },
             Kind::Numeric { because, .. } => IkMethod::Numeric { because: because.clone() },
         }
     }
@@ -154,14 +153,14 @@ impl ArmIk {
         if let Kind::Srs(srs) = &self.kind { Some(srs) } else { None }
     }
 
-    /// Limits of the joints.
-    pub fn limits(&self) -> &[JointLimit] {
-        &self.limits
+    /// The joints from the base link to the hand.
+    pub fn chain(&self) -> &Chain {
+        &self.chain
     }
 
-    /// Names of the joints.
-    pub fn joint_names(&self) -> &[String] {
-        &self.names
+    /// Limits of the joints.
+    pub fn limits(&self) -> &[JointLimit] {
+        self.chain.limits()
     }
 
     /// Postures that bring the hand to a pose.
@@ -170,26 +169,17 @@ impl ArmIk {
     /// * `q_now`: the present joints; extra joints stand there first, numeric descents start there first.
     /// * `arm_angles`: arm angles over a full turn at which all branches are solved; starts of a numeric arm.
     pub fn set(&self, X_BH: &Isometry3<f64>, q_now: &[f64], arm_angles: usize) -> Postures {
-        let mut postures = Postures { dofs: self.limits.len(), ..Postures::default() };
-        let mut found = IkSet::default();
+        let mut postures = Postures { dofs: self.limits().len(), ..Postures::default() };
         match &self.kind {
             Kind::Srs(srs) => {
+                let mut found = IkSet::default();
+                found.solutions.reserve(8 * arm_angles);
                 srs.sweep_into(X_BH, arm_angles, &mut found);
+                postures.values.reserve_exact(7 * found.solutions.len());
                 found.solutions.iter().for_each(|solution| postures.values.extend(solution.q));
                 postures.rejected = found.rejected;
             }
-            Kind::Led { lead, srs, samples } => {
-                for_each_sample(lead.limits(), &q_now[..lead.dofs().len()], *samples, |extra| {
-                    found.clear();
-                    srs.sweep_into(&lead.tip(extra).inv_mul(X_BH), arm_angles, &mut found);
-                    for solution in &found.solutions {
-                        postures.values.extend(extra.iter().chain(&solution.q));
-                    }
-                    postures.rejected.append(&mut found.rejected);
-                    true
-                });
-                keep_least_gaps(&mut postures.rejected);
-            }
+            Kind::Led(led) => led.set(X_BH, q_now, arm_angles, &mut postures.values, &mut postures.rejected),
             Kind::Numeric { arm, .. } => {
                 let values = &mut postures.values;
                 postures.rejected.extend(arm.set(X_BH, q_now, arm_angles, |q| values.extend(q)).err());
@@ -205,21 +195,7 @@ impl ArmIk {
     pub fn first(&self, X_BH: &Isometry3<f64>, q_now: &[f64]) -> Result<Vec<f64>, IkReject> {
         match &self.kind {
             Kind::Srs(srs) => srs.first(X_BH).map(|q| q.to_vec()),
-            Kind::Led { lead, srs, samples } => {
-                let mut answer = Err(Vec::new());
-                for_each_sample(lead.limits(), &q_now[..lead.dofs().len()], *samples, |extra| {
-                    match (srs.first(&lead.tip(extra).inv_mul(X_BH)), &mut answer) {
-                        (Ok(q), _) => answer = Ok(extra.iter().chain(&q).copied().collect()),
-                        (Err(reject), Err(rejected)) => rejected.push(reject),
-                        (Err(_), Ok(_)) => {}
-                    }
-                    answer.is_err()
-                });
-                answer.map_err(|mut rejected| {
-                    keep_least_gaps(&mut rejected);
-                    most_frequent(&rejected)
-                })
-            }
+            Kind::Led(led) => led.first(X_BH, q_now),
             Kind::Numeric { arm, .. } => arm.first(X_BH, q_now),
         }
     }
@@ -228,11 +204,7 @@ impl ArmIk {
     pub fn near(&self, X_BH: &Isometry3<f64>, near: &[f64]) -> Option<Vec<f64>> {
         match &self.kind {
             Kind::Srs(srs) => Some(srs.near(X_BH, near.try_into().ok()?)?.to_vec()),
-            Kind::Led { lead, srs, .. } => {
-                let (extra, seven) = near.split_at_checked(lead.dofs().len())?;
-                let q = srs.near(&lead.tip(extra).inv_mul(X_BH), seven.try_into().ok()?)?;
-                Some(extra.iter().chain(&q).copied().collect())
-            }
+            Kind::Led(led) => led.near(X_BH, near),
             Kind::Numeric { arm, .. } => arm.near(X_BH, near),
         }
     }
@@ -242,92 +214,54 @@ impl ArmIk {
     pub fn reach_gap_m(&self, X_BH: &Isometry3<f64>, q_now: &[f64]) -> f64 {
         match &self.kind {
             Kind::Srs(srs) => srs.reach_gap_m(X_BH),
-            Kind::Led { lead, srs, samples } => {
-                let mut least = f64::INFINITY;
-                for_each_sample(lead.limits(), &q_now[..lead.dofs().len()], *samples, |extra| {
-                    least = least.min(srs.reach_gap_m(&lead.tip(extra).inv_mul(X_BH)));
-                    least > 0.0
-                });
-                least
-            }
+            Kind::Led(led) => led.reach_gap_m(X_BH, q_now),
             Kind::Numeric { arm, .. } => arm.reach_gap_m(X_BH),
         }
     }
 }
 
 impl SrsArm {
-    /// The first solution over the arm angles, or the most frequent reason.
-    fn first(&self, X_BH: &Isometry3<f64>) -> Result<[f64; 7], IkReject> {
+    /// A solution, or the most frequent reason why there is none.
+    pub(super) fn first(&self, X_BH: &Isometry3<f64>) -> Result<[f64; 7], IkReject> {
         let mut found = IkSet::default();
-        // The middle angle first: nothing but one solve where that has a solution.
-        self.solve_into(X_BH, 0.0, &mut found);
+        for arm_angle in FIRST_ANGLES {
+            self.solve_into(X_BH, arm_angle, &mut found);
+            // A pose out of reach is so at every arm angle.
+            if !found.solutions.is_empty() || self.reach_gap_m(X_BH) > 0.0 {
+                break;
+            }
+        }
         if found.solutions.is_empty() {
-            self.sweep_into(X_BH, FIRST_ANGLES, &mut found);
+            // Then in the middle of the widest arc that the limits allow, which has one if there is any.
+            let arcs = self.feasible_arcs(X_BH);
+            match arcs.iter().max_by(|l, r| (l.to - l.from).total_cmp(&(r.to - r.from))) {
+                Some(widest) => self.solve_into(X_BH, 0.5 * (widest.from + widest.to), &mut found),
+                None => {
+                    found.clear();
+                    self.sweep_into(X_BH, REASON_ANGLES, &mut found);
+                }
+            }
         }
         found.solutions.first().map_or_else(|| Err(most_frequent(&found.rejected)), |solution| Ok(solution.q))
     }
 }
 
-/// Splits a chain into at most [`MAX_EXTRA`] joints and an S-R-S arm of the last seven; else why the seven are none.
-fn led(robot: &Robot, base_link: usize, tip_link: usize) -> Result<Kind, Option<NotSrs>> {
-    let moving = |joint: &usize| robot.joints[*joint].kind != JointKind::Fixed;
-    let joints: Vec<usize> = robot.chain(base_link, tip_link).unwrap_or_default().into_iter().filter(moving).collect();
-    let Some(extra) = joints.len().checked_sub(7).filter(|extra| (1..=MAX_EXTRA).contains(extra)) else {
-        return Err(None);
+/// The reason that occurs most often, the first of equals.
+pub(super) fn most_frequent(rejected: &[IkReject]) -> IkReject {
+    let same = |l: &IkReject, r: &IkReject| match (l, r) {
+        (IkReject::JointLimit { joint: l, .. }, IkReject::JointLimit { joint: r, .. }) => l == r,
+        _ => std::mem::discriminant(l) == std::mem::discriminant(r),
     };
-    let shoulder_link = robot.joints[joints[extra - 1]].child;
-    let srs = SrsArm::between(robot, shoulder_link, tip_link).map_err(Some)?;
-    let lead = Chain::between(robot, base_link, shoulder_link).map_err(|_| None)?;
-    // A joint that copies one of the arm's cannot be sampled by itself.
-    let own = joints[..extra].iter().all(|&joint| robot.joints[joint].dof.is_some());
-    if !own {
-        return Err(None);
-    }
-    Ok(Kind::Led { lead: Box::new(lead), srs: Box::new(srs), samples: EXTRA_SAMPLES })
-}
-
-/// All combinations of positions of the extra joints until told to stop: the present ones first, then `samples` each,
-/// evenly over the limits.
-fn for_each_sample(limits: &[JointLimit], now: &[f64], samples: usize, mut go_on: impl FnMut(&[f64]) -> bool) {
-    if !go_on(now) {
-        return;
-    }
-    let count = samples.pow(limits.len() as u32);
-    for index in 0..count {
-        let mut rest = index;
-        let position = |limit: &JointLimit| {
-            let step = rest % samples;
-            rest /= samples;
-            // Middles of equal parts, so that no sample stands at a stop.
-            limit.lower + (limit.upper - limit.lower) * (step as f64 + 0.5) / samples as f64
-        };
-        let extra: Vec<f64> = limits.iter().map(position).collect();
-        let is_present = extra.iter().zip(now).all(|(a, b)| (a - b).abs() < 1e-9);
-        if !is_present && !go_on(&extra) {
-            return;
+    let mut counts: Vec<(IkReject, usize)> = Vec::new();
+    for reject in rejected {
+        match counts.iter_mut().find(|(known, _)| same(known, reject)) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((*reject, 1)),
         }
     }
-}
-
-/// Of the gaps at several positions of the extra joints only the least counts.
-fn keep_least_gaps(rejected: &mut Vec<IkReject>) {
-    let gap = |reject: &IkReject| match reject {
-        IkReject::OutOfReach { gap_m } | IkReject::TooClose { gap_m } => Some(*gap_m),
-        _ => None,
-    };
-    let least = rejected.iter().filter(|reject| gap(reject).is_some()).copied();
-    let least = least.min_by(|l, r| gap(l).unwrap_or(0.0).total_cmp(&gap(r).unwrap_or(0.0)));
-    rejected.retain(|reject| gap(reject).is_none());
-    rejected.extend(least);
-}
-
-/// The reason that occurs most often, the first of equals.
-fn most_frequent(rejected: &[IkReject]) -> IkReject {
-    let same = |l: &IkReject, r: &IkReject| l.reason() == r.reason();
-    let count = |reject: &IkReject| rejected.iter().filter(|other| same(other, reject)).count();
     // The last of equal maxima is taken, hence the reversed order.
-    let most = rejected.iter().rev().max_by_key(|reject| count(reject)).copied();
-    most.unwrap_or(IkReject::Stalled { gap_m: f64::INFINITY, gap_rad: f64::INFINITY })
+    let most = counts.into_iter().rev().max_by_key(|(_, count)| *count);
+    most.map_or(IkReject::Stalled { gap_m: f64::INFINITY, gap_rad: f64::INFINITY }, |(reject, _)| reject)
 }
 
 #[cfg(test)]
@@ -442,12 +376,8 @@ mod tests {
                     Err(_) => missed += 1,
                 }
             }
-            // 36 arm angles may all lie beside a narrow feasible arc, and six torso positions beside a narrow range.
-            let allowed = match ik.method() {
-                IkMethod::ClosedForm => 4,
-                IkMethod::Sampled { .. } => 20,
-                IkMethod::Numeric { .. } => 0,
-            };
+            // Six positions of the torso may all lie beside a narrow range.
+            let allowed = if matches!(ik.method(), IkMethod::Sampled { .. }) { 20 } else { 0 };
             assert!(missed <= allowed, "{name}: {missed} of 200 poses missed");
         }
     }
@@ -530,7 +460,7 @@ mod tests {
         assert!(error.contains("left_joint_3"), "{error}");
         let longer = robot.with_torso(0);
         let ik = ArmIk::of(&longer, &longer.arms[0]).unwrap();
-        assert_eq!(ik.joint_names()[0], "torso_joint");
+        assert_eq!(ik.chain().joint_names()[0], "torso_joint");
         assert_eq!(ik.limits().len(), 8);
     }
 }

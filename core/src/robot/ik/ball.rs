@@ -12,15 +12,15 @@ const ALIGNED: f64 = 1e-10;
 /// Three joint axes through one point, `a1 ⟂ a2 ⟂ a3`, at q = 0, in the arm's base frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ball {
-    a1: Vector3<f64>,
-    a2: Vector3<f64>,
-    a3: Vector3<f64>,
+    pub(super) a1: Vector3<f64>,
+    pub(super) a2: Vector3<f64>,
+    pub(super) a3: Vector3<f64>,
     /// `a2 × a1`, which completes `a1` and `a2` to a frame.
-    e1: Vector3<f64>,
+    pub(super) e1: Vector3<f64>,
     /// `a3 × a2`.
-    e3: Vector3<f64>,
+    pub(super) e3: Vector3<f64>,
     /// Angle from `a1` to `a3` about `a2` at q = 0.
-    bend0: f64,
+    pub(super) bend0: f64,
 }
 
 /// Joint angles of a ball; the other branch is `(q1 + π, -bend, q3 + π)`.

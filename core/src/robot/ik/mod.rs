@@ -8,16 +8,20 @@
 //! turned about the line from S to W. At each arm angle a hand pose has up to eight solutions. Arms of another
 //! kind are refused by [`SrsArm::of`] with the reason.
 
+mod arcs;
 mod arm;
 mod ball;
 mod extract;
+mod led;
 mod numeric;
 mod outcome;
 mod solve;
 #[cfg(test)]
 mod tests;
 
-pub use arm::{ArmIk, EXTRA_SAMPLES, IkMethod, Postures};
+pub use arcs::Arc;
+pub use arm::{ArmIk, IkMethod, Postures};
 pub use extract::{NotSrs, SrsArm};
+pub use led::EXTRA_SAMPLES;
 pub(crate) use outcome::Length;
 pub use outcome::{IkReject, IkSet, IkSolution};

@@ -25,27 +25,49 @@ const REACH_SLACK: f64 = 1e-12;
 const NEAR_ANGLES: [f64; 7] = [0.0, 0.04, -0.04, 0.1, -0.1, 0.2, -0.2];
 
 /// What does not depend on the arm angle.
-struct Posed {
+pub(super) struct Posed {
     /// `R_BH · R_HB0`: the rotation that all seven joints make together.
-    turned: Matrix3<f64>,
+    pub(super) turned: Matrix3<f64>,
     /// Unit vector from S to W.
-    t: Vector3<f64>,
+    pub(super) t: Vector3<f64>,
     /// Direction of the elbow's axis at arm angle 0, and the one a quarter turn further.
-    normal: Vector3<f64>,
-    quarter: Vector3<f64>,
-    elbows: [Option<Elbow>; 2],
+    pub(super) normal: Vector3<f64>,
+    pub(super) quarter: Vector3<f64>,
+    pub(super) elbows: [Option<Elbow>; 2],
 }
 
 /// One way to bend the elbow.
-struct Elbow {
+pub(super) struct Elbow {
     /// Joint 4, radians.
-    q4: f64,
+    pub(super) q4: f64,
     /// +1 or -1: which way the elbow bends about its axis.
-    sign: f64,
+    pub(super) sign: f64,
     /// The body frame of the bent arm before the shoulder turns it, transposed: rows SW, a4, SW × a4.
-    frame: Matrix3<f64>,
+    pub(super) frame: Matrix3<f64>,
     /// `exp(a4 q4)`.
-    bend: Matrix3<f64>,
+    pub(super) bend: Matrix3<f64>,
+}
+
+impl Posed {
+    /// What the shoulder turns by at an arm angle.
+    #[inline]
+    pub(super) fn shoulder(&self, elbow: &Elbow, arm_angle: f64) -> Matrix3<f64> {
+        let (sin, cos) = math::sin_cos(arm_angle);
+        self.shoulder_facing(elbow, &(self.normal * cos + self.quarter * sin))
+    }
+
+    /// What the shoulder turns by when the elbow's axis points along `normal`.
+    #[inline]
+    fn shoulder_facing(&self, elbow: &Elbow, normal: &Vector3<f64>) -> Matrix3<f64> {
+        let n = normal * elbow.sign;
+        Matrix3::from_columns(&[self.t, n, self.t.cross(&n)]) * elbow.frame
+    }
+
+    /// What is left to the wrist after shoulder and elbow.
+    #[inline]
+    pub(super) fn wrist(&self, elbow: &Elbow, R_shoulder: &Matrix3<f64>) -> Matrix3<f64> {
+        (R_shoulder * elbow.bend).tr_mul(&self.turned)
+    }
 }
 
 impl SrsArm {
@@ -110,7 +132,7 @@ impl SrsArm {
     }
 
     /// Elbow branches and everything else that all arm angles share.
-    fn pose(&self, X_BH: &Isometry3<f64>) -> Result<Posed, IkReject> {
+    pub(super) fn pose(&self, X_BH: &Isometry3<f64>) -> Result<Posed, IkReject> {
         let v_SW = (X_BH * self.p_HW).coords - self.p_BS;
         let d = v_SW.norm();
         let longest = self.upper_m + self.fore_m;
@@ -172,10 +194,9 @@ impl SrsArm {
                     continue;
                 }
             };
-            let n = normal * elbow.sign;
-            let R_shoulder = Matrix3::from_columns(&[posed.t, n, posed.t.cross(&n)]) * elbow.frame;
+            let R_shoulder = posed.shoulder_facing(elbow, &normal);
             let shoulder = self.shoulder.angles(&R_shoulder);
-            let R_wrist = (R_shoulder * elbow.bend).tr_mul(&posed.turned);
+            let R_wrist = posed.wrist(elbow, &R_shoulder);
             let wrist = self.wrist.angles(&R_wrist);
             let wrists = self.branches(&self.wrist, 4, &wrist, &R_wrist);
             let shoulders = self.branches(&self.shoulder, 0, &shoulder, &R_shoulder);
@@ -196,7 +217,7 @@ impl SrsArm {
     }
 
     /// Both branches of a ball; an aligned ball has one, its free turn split so that it stays within the limits.
-    fn branches(
+    pub(super) fn branches(
         &self,
         ball: &Ball,
         first: usize,
@@ -217,7 +238,7 @@ impl SrsArm {
     }
 
     /// The angle moved by whole turns into the limits of a joint, or how it misses them.
-    fn within(&self, joint: usize, angle: f64) -> Result<f64, IkReject> {
+    pub(super) fn within(&self, joint: usize, angle: f64) -> Result<f64, IkReject> {
         let limit = &self.limits[joint];
         let value = math::wrap_angle(angle);
         for candidate in [value, value - TAU, value + TAU] {

@@ -238,6 +238,81 @@ fn a_sweep_is_the_solutions_of_its_angles_in_order() {
     assert!(order.windows(2).all(|pair| pair[0] < pair[1]));
 }
 
+/// Of every sample of a fine sweep: whether it lies within a feasible arc of its branch is whether it is solved.
+/// Samples within 1e-6 rad of an end of an arc are left out; answers how many were compared and how many solved.
+fn compare_arcs_with_a_sweep(case: &Case, X_BH: &Isometry3<f64>, angles: usize) -> (usize, usize) {
+    let arcs = case.arm.feasible_arcs(X_BH);
+    assert!(arcs.iter().all(|arc| arc.from < arc.to && arc.to <= arc.from + TAU && arc.from.abs() <= PI + 1e-12));
+    let (mut compared, mut solved) = (0, 0);
+    let mut set = IkSet::default();
+    for i in 0..angles {
+        let angle = TAU * (i as f64 + 0.37) / angles as f64 - PI;
+        set.clear();
+        case.arm.solve_into(X_BH, angle, &mut set);
+        for branch in 0..8 {
+            let own = || arcs.iter().filter(|arc| arc.branch == branch);
+            let at_an_end = |end: f64| wrap_angle(end - angle).abs() < 1e-6;
+            if own().any(|arc| arc.to - arc.from < TAU && (at_an_end(arc.from) || at_an_end(arc.to))) {
+                continue;
+            }
+            let is_solved = set.solutions.iter().any(|solution| solution.branch == branch);
+            let is_inside = own().any(|arc| arc.contains(angle));
+            assert_eq!(is_solved, is_inside, "{}: branch {branch} at {angle}: {arcs:?} for {X_BH:?}", case.name);
+            compared += 1;
+            solved += usize::from(is_solved);
+        }
+    }
+    (compared, solved)
+}
+
+#[test]
+fn feasible_arcs_are_where_a_fine_sweep_has_solutions() {
+    for case in cases() {
+        let mut rng = Rng::new(14, 0);
+        let (mut compared, mut solved) = (0, 0);
+        for _ in 0..1500 {
+            let (more, found) = compare_arcs_with_a_sweep(&case, &case.forward(&case.random_q(&mut rng)), 90);
+            (compared, solved) = (compared + more, solved + found);
+        }
+        // Neither all nor nothing: the comparison has something to find on both sides.
+        assert!(solved > compared / 50 && solved < compared * 49 / 50, "{}: {solved} of {compared}", case.name);
+    }
+}
+
+#[test]
+fn feasible_arcs_are_right_at_singular_postures_and_with_narrow_limits() {
+    for case in cases() {
+        let mut rng = Rng::new(15, 0);
+        for singular in [vec![1], vec![3], vec![5], vec![1, 5], vec![1, 3], vec![3, 5], vec![1, 3, 5]] {
+            for _ in 0..60 {
+                let mut q = case.random_q(&mut rng);
+                singular.iter().for_each(|&joint| q[joint] = 0.0);
+                compare_arcs_with_a_sweep(&case, &case.forward(&q), 90);
+            }
+        }
+    }
+    for (roll, seed) in [(0.4, 1), (1.2, 2), (3.3, 3), (4.5, 4)] {
+        let case = Case::new(format!("rolls within {roll}"), &one_arm(roll, 0.0), 0, 7, (0..7).collect());
+        let mut rng = Rng::new(seed, 0);
+        for _ in 0..300 {
+            compare_arcs_with_a_sweep(&case, &case.forward(&case.random_q(&mut rng)), 90);
+        }
+        for singular in [vec![1], vec![3], vec![1, 3, 5]] {
+            for _ in 0..40 {
+                let mut q = case.random_q(&mut rng);
+                singular.iter().for_each(|&joint| q[joint] = 0.0);
+                compare_arcs_with_a_sweep(&case, &case.forward(&q), 90);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_pose_out_of_reach_has_no_feasible_arcs() {
+    let case = cases().swap_remove(0);
+    assert!(case.arm.feasible_arcs(&Isometry3::translation(3.0, 0.0, 0.0)).is_empty());
+}
+
 proptest! {
     /// Any hand pose at all: an answer without panic, and every solution is true.
     #[test]

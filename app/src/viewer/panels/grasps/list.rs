@@ -1,9 +1,10 @@
 //! The candidates as a list: what became of them, which are listed, and the table.
 
-use egui::{Align, Rect, Role, Sense, Ui, UiBuilder, WidgetInfo, pos2, vec2};
+use egui::{Align, Color32, Rect, Role, Sense, Ui, UiBuilder, WidgetInfo, pos2, vec2};
 use endcomfort_core::grasp::Quantity;
 
 use super::{selected, table};
+use crate::render::ColorMap;
 use crate::viewer::fields::{dropdown, search};
 use crate::viewer::panels::Out;
 use crate::viewer::theme::{BODY, SECONDARY, Tokens, font};
@@ -12,6 +13,8 @@ use crate::viewer::{ColumnSet, Command, GraspCommand, Listed, ViewerState, forma
 
 /// Height of the table that the details leave it at least: four rows and a half with the head.
 const LEAST_TABLE: f32 = 141.0;
+/// Width of the strip of colours with the gap behind it, points.
+const RAMP: f32 = 12.0;
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     choices(ui, state, out);
@@ -70,8 +73,21 @@ fn colors(ui: &mut Ui, state: &ViewerState, width: f32, push: &mut impl FnMut(Gr
     let index = chosen.and_then(|chosen| Quantity::ALL.iter().position(|&quantity| quantity == chosen));
     let shown = quantities::short(state.shown_quantity());
     let row = index.map_or(0, |index| index + 1);
-    if let Some(index) = dropdown(ui, "Colour by", shown, width, &rows, Some(row)) {
+    ramp(ui);
+    if let Some(index) = dropdown(ui, "Colour by", shown, width - RAMP, &rows, Some(row)) {
         push(GraspCommand::ColorBy(index.checked_sub(1).map(|index| Quantity::ALL[index])));
+    }
+}
+
+/// A strip of the colours that the next field chooses the meaning of.
+fn ramp(ui: &mut Ui) {
+    const STEPS: usize = 12;
+    let (rect, _) = ui.allocate_exact_size(vec2(RAMP - 6.0, 28.0), Sense::hover());
+    let step = rect.height() / STEPS as f32;
+    for k in 0..STEPS {
+        let [r, g, b, _] = ColorMap::Viridis.at(1.0 - k as f64 / (STEPS - 1) as f64).map(|c| (255.0 * c).round() as u8);
+        let cell = Rect::from_min_size(rect.min + vec2(0.0, step * k as f32), vec2(rect.width(), step + 0.5));
+        ui.painter().rect_filled(cell, 0.0, Color32::from_rgb(r, g, b));
     }
 }
 

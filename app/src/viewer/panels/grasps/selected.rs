@@ -13,7 +13,11 @@ use crate::viewer::{Command, ViewerState, format, quantities};
 
 /// Height that the short form wants, points.
 pub(super) fn brief_height(grasp: &Grasp) -> f32 {
-    if grasp.is_accepted() { 244.0 } else { 236.0 }
+    match (grasp.is_accepted(), &grasp.start) {
+        (true, _) => 244.0,
+        (false, Some(_)) => 236.0,
+        (false, None) => 96.0,
+    }
 }
 
 /// What stands under the table.
@@ -44,7 +48,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     ui.spacing_mut().item_spacing.y = 0.0;
     section(ui, &name(state, grasp));
     if grasp.is_accepted() {
-        let _row = key_value(ui, "Hand", &format::why(grasp, state.outputs.X_WO_start()));
+        let _row = key_value(ui, "Approach", &format::why(grasp, state.outputs.X_WO_start()));
     } else {
         let _row = key_value_colored(ui, "Rejected", &grasp.status.reason(), tokens.coral);
     }
