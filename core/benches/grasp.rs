@@ -25,7 +25,7 @@ const RUNS: usize = 12;
 /// Runs that only warm the caches.
 const WARM_UP: usize = 2;
 /// Demos and the densities that give them 500 candidates.
-const DEMOS: [(&str, u32); 3] = [("mustard", 19), ("jar", 16), ("glass", 16)];
+const DEMOS: [(&str, u32); 3] = [("mustard", 16), ("jar", 13), ("glass", 13)];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");

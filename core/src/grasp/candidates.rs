@@ -74,7 +74,8 @@ fn poses_at(part: usize, sample: &SurfaceSample, shape: &Shape, settings: &Grasp
         return Vec::new();
     };
     let Some(x_H) = x_H.try_normalize(1e-9) else { return Vec::new() };
-    let (power, fingertip) = (settings.palm_gap_m - shape.palm_depth_m, -settings.fingertip_depth_m);
+    let power = settings.palm_gap_m - shape.palm_depth_m;
+    let fingertip = (shape.reach_m - settings.fingertip_depth_m).max(power);
     let rolls = settings.rolls.max(1);
     let depths = settings.depths.max(1);
     let mut poses = Vec::with_capacity(2 * (rolls * depths) as usize);

@@ -16,7 +16,7 @@ pub struct GraspSettings {
     pub depths: u32,
     /// Gap left between the palm and the object in a power grasp, metres.
     pub palm_gap_m: f64,
-    /// How far the TCP dips below the surface in a fingertip grasp, metres.
+    /// How far the open fingers reach below the surface in a fingertip grasp, metres.
     pub fingertip_depth_m: f64,
     /// A grasp needs at least this many contacts (3 in the thesis).
     pub min_contacts: usize,
@@ -33,11 +33,11 @@ pub struct GraspSettings {
 impl Default for GraspSettings {
     fn default() -> Self {
         Self {
-            density: 14,
+            density: 12,
             rolls: 1,
-            depths: 2,
+            depths: 3,
             palm_gap_m: 0.008,
-            fingertip_depth_m: 0.010,
+            fingertip_depth_m: 0.035,
             min_contacts: 3,
             surface: ContactSurface::Superquadric,
             friction: 0.5,

@@ -5,17 +5,16 @@ use nalgebra::{Isometry3, Translation3, Vector3};
 use crate::collision::{Checker, CollisionError, HandChecker, Hit, Scratch};
 use crate::grasp::{Grasp, GraspStatus, Obstruction, Reach, Situated, Unwanted};
 use crate::parallel;
+use crate::plan::CartesianSettings;
 use crate::scene::Scene;
 use crate::task::{MotionSettings, Situation, Workcell};
 
 /// Configurations with straight ways that are looked for in an IK set; the planner starts from them.
-const WAYS_WANTED: usize = 6;
+const WAYS_WANTED: usize = 4;
 /// Configurations of an IK set that are tried for that, the most manipulable first.
 const WAYS_TRIED: usize = 48;
-/// Poses at which a straight way is looked at, as shares of its length.
-const WAY_SHARES: [f64; 2] = [0.5, 1.0];
-/// A joint that moves farther than this on so short a way jumps, radians.
-const JUMP_RAD: f64 = 1.0;
+/// Straight ways are looked at in steps of this length, as the planner follows them, metres.
+const STEP_M: f64 = 0.01;
 
 /// Situates all accepted candidates; `should_stop` is asked before each.
 pub(super) fn situate_all(
@@ -131,12 +130,14 @@ impl<'a> Situate<'a> {
         let X_BW = cell.robot.link_poses(&cell.q_start)[cell.arm().base_link].inverse();
         let X_WH = place.X_WO * grasp.X_OH;
         let mut scratch = Scratch::default();
-        let mut follow = |q: &[f64], way: &dyn Fn(f64) -> Isometry3<f64>, checker: &Checker| {
+        let jump_rad = CartesianSettings::default().max_joint_step_rad;
+        let mut follow = |q: &[f64], length_m: f64, way: &dyn Fn(f64) -> Isometry3<f64>, checker: &Checker| {
             let mut q = q.to_vec();
-            for share in WAY_SHARES {
-                let X_BH = X_BW * way(share);
+            let steps = libm::ceil(length_m / STEP_M) as u32;
+            for step in 1..=steps {
+                let X_BH = X_BW * way(length_m * f64::from(step) / f64::from(steps));
                 let Some(next) = cell.ik.near(&X_BH, &q) else { return Err(Blocked::NoIk { X_BH, q }) };
-                if next.iter().zip(&q).any(|(to, from)| (to - from).abs() > JUMP_RAD) {
+                if next.iter().zip(&q).any(|(to, from)| (to - from).abs() > jump_rad) {
                     return Err(Blocked::Jump);
                 }
                 if let Some(hit) = checker.first_hit(&mut scratch, &next) {
@@ -146,12 +147,13 @@ impl<'a> Situate<'a> {
             }
             Ok(())
         };
-        let back = |share: f64| X_WH * Translation3::new(0.0, 0.0, -share * self.motion.min_approach_m);
-        let rise = |share: f64| Translation3::from(Vector3::z() * (share * self.motion.lift_m)) * X_WH;
+        let (back_m, rise_m) = (self.motion.min_approach_m, self.motion.lift_m);
+        let back = |way_m: f64| X_WH * Translation3::new(0.0, 0.0, -way_m);
+        let rise = |way_m: f64| Translation3::from(Vector3::z() * way_m) * X_WH;
         let mut first = None;
         for index in most_manipulable(set).into_iter().take(WAYS_TRIED) {
             let q = &set.solutions[index];
-            match follow(q, &back, &place.open).and_then(|()| follow(q, &rise, carrying)) {
+            match follow(q, back_m, &back, &place.open).and_then(|()| follow(q, rise_m, &rise, carrying)) {
                 Ok(()) => set.with_ways.push(index),
                 Err(reason) => first = first.or(Some(reason)),
             }
