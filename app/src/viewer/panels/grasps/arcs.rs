@@ -20,6 +20,7 @@ pub(super) fn draw(ui: &mut Ui, feasible: &[Arc]) {
     }
     let tokens = Tokens::of(ui);
     section(ui, "Arm angles within the limits");
+    ui.add_space(4.0);
     let size = vec2(ui.available_width(), ROW * f32::from(BRANCHES) + 18.0);
     let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
     let plot = Rect::from_min_max(rect.min + vec2(18.0, 0.0), rect.max - vec2(0.0, 18.0));
