@@ -258,7 +258,6 @@ fn candidates() -> Vec<Grasp> {
         feasible: [(0, -2.1, 0.4), (1, 2.2, 4.0), (4, -0.8, 1.9), (4, 2.3, 2.6), (7, -3.0, 3.2)]
             .map(|(branch, from, to)| ArmArc { branch, from, to })
             .to_vec(),
-        ..Situated::default()
     };
     (0..412_u32)
         .map(|i| {
