@@ -46,7 +46,7 @@ pub(super) fn width(quantity: Quantity) -> f32 {
         Quantity::MgStart | Quantity::MgGoal | Quantity::MgMean => 50.0,
         Quantity::IkStart | Quantity::IkGoal => 42.0,
         Quantity::Score | Quantity::Epsilon | Quantity::Success => 38.0,
-        Quantity::Volume => 50.0,
+        Quantity::Volume => 58.0,
         Quantity::Clearance => 54.0,
         Quantity::Width => 54.0,
         Quantity::Contacts => 52.0,

@@ -157,6 +157,7 @@ fn the_grasp_page_tells_contacts_trials_reasons_and_the_terms_of_the_score() {
         "finger 1: 1.2 mm inside",
         "Clearance: 12 mm",
         "Width: 71 mm",
+        "Arm angles within the limits: 5 arcs on 4 of 8 branches",
     ] {
         assert_eq!(harness.query_all_by_label(words).count(), 1, "{words}");
     }

@@ -12,6 +12,7 @@ use endcomfort_core::job::{
 };
 use endcomfort_core::plan::Trajectory;
 use endcomfort_core::rng::Rng;
+use endcomfort_core::robot::ik::Arc as ArmArc;
 use endcomfort_core::scene::{ArmChoice, Obstacle, PlacedObject, SCENE_VERSION, Scene, TableTop, Task};
 use endcomfort_core::segment::{Plane, PointFate, SegmentSettings};
 use endcomfort_core::superquadric::Superquadric;
@@ -254,7 +255,9 @@ fn candidates() -> Vec<Grasp> {
             .map(|i| m_g + 0.5 * m_g * ((i as f64 * 0.7).sin() + (i as f64 * 1.3).cos()) / 2.0)
             .collect(),
         rejected: vec![(Obstruction::JointLimit { joint: 6 }, 40), (elbow_meets_table(), 12)],
-        ..Situated::default()
+        feasible: [(0, -2.1, 0.4), (1, 2.2, 4.0), (4, -0.8, 1.9), (4, 2.3, 2.6), (7, -3.0, 3.2)]
+            .map(|(branch, from, to)| ArmArc { branch, from, to })
+            .to_vec(),
     };
     (0..412_u32)
         .map(|i| {

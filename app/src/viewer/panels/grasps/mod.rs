@@ -1,5 +1,6 @@
 //! Candidates and ranking, page by page.
 
+mod arcs;
 mod filter;
 mod ik_set;
 mod list;

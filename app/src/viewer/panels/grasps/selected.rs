@@ -3,7 +3,7 @@
 use egui::{Align, Rect, Sense, Ui, pos2, vec2};
 use endcomfort_core::grasp::{Contact, Grasp, Quantity, Term};
 
-use super::ik_set;
+use super::{arcs, ik_set};
 use crate::viewer::panels::Out;
 use crate::viewer::theme::{BODY, SECONDARY, Tokens, font};
 use crate::viewer::widgets::{
@@ -92,6 +92,9 @@ fn arm(ui: &mut Ui, state: &ViewerState, grasp: &Grasp, out: &mut Out) {
     }
     configurations(ui, state, grasp, out);
     let at = state.selection.ik.map_or(ik_set::usual_situation(grasp), |ik| ik.at);
+    if let Some(set) = at.of(grasp) {
+        arcs::draw(ui, &set.feasible);
+    }
     if let Some(set) = at.of(grasp).filter(|set| set.ik_count > 0 && !set.rejected.is_empty()) {
         section(ui, "Configurations turned away");
         for (reason, count) in &set.rejected {
