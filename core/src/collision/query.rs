@@ -14,39 +14,58 @@ impl Checker {
     /// `margins` are metres per moving frame with a factor applied to all; a pair whose distance is at most the
     /// margin of its moving body counts as near. `q` must be a configuration ([`Checker::is_configuration`]).
     pub(crate) fn state(&self, scratch: &mut Scratch, q: &[f64], margins: Margins<'_>) -> State {
+        self.place(scratch, q);
+        self.state_where_placed(scratch, margins, usize::MAX)
+    }
+
+    /// What the bodies of the last moving frame touch that stands still: the hand, what it carries and the flange.
+    /// `None` also where something else is hit.
+    ///
+    /// At one hand pose the answer is the same for every configuration that reaches it: asked once, it saves that part
+    /// of [`Checker::first_hit_besides_hand`] for all of them.
+    pub fn first_hit_of_hand(&self, scratch: &mut Scratch, q: &[f64]) -> Option<Hit> {
+        if !self.is_configuration(q) {
+            return self.first_hit(scratch, q);
+        }
+        self.place(scratch, q);
+        let last = self.frames.len() - 1;
+        let clusters = self.clusters.iter().enumerate().filter(|(_, cluster)| cluster.frame == last);
+        for (index, cluster) in clusters {
+            if let (Proximity::Touching, Some(pair)) = self.against_fixed(scratch, index, cluster, self.margin_m) {
+                return Some(self.name(pair));
+            }
+        }
+        None
+    }
+
+    /// As [`Checker::first_hit`], without what [`Checker::first_hit_of_hand`] looks at.
+    pub fn first_hit_besides_hand(&self, scratch: &mut Scratch, q: &[f64]) -> Option<Hit> {
+        if !self.is_configuration(q) {
+            return self.first_hit(scratch, q);
+        }
+        self.place(scratch, q);
+        match self.state_where_placed(scratch, None, self.frames.len() - 1) {
+            State::Hit(pair) => Some(self.name(pair)),
+            _ => None,
+        }
+    }
+
+    /// As [`Checker::state`] for frames that stand in `scratch`; bodies of the frame `left_out` are not compared with
+    /// what stands still.
+    fn state_where_placed(&self, scratch: &Scratch, margins: Margins<'_>, left_out: usize) -> State {
         if let Some(pair) = self.constant_hit {
             return State::Hit(pair);
         }
-        self.place(scratch, q);
         // Once something is near, only touching matters.
         let mut is_near = false;
         let margin_of = |frame: usize| margins.map_or(0.0, |(per_frame, factor)| per_frame[frame] * factor);
-        for (index, cluster) in self.clusters.iter().enumerate() {
-            let X_WF = &scratch.X_WF[cluster.frame];
-            let center = &scratch.centers[index];
-            let margin = margin_of(cluster.frame).max(self.margin_m);
-            for &(fixed, depth_m) in &cluster.against {
-                let fixed = &self.fixed[fixed];
-                let near_m = if is_near { self.margin_m } else { margin };
-                let reach = cluster.bound + near_m;
-                if squared_distance_to_box(center, &fixed.lower, &fixed.upper) > reach * reach {
-                    continue;
-                }
-                for solid in &cluster.solids {
-                    if cluster.solids.len() > 1 {
-                        let reach = solid.bound + near_m;
-                        let center = X_WF.point(&solid.center);
-                        if squared_distance_to_box(&center, &fixed.lower, &fixed.upper) > reach * reach {
-                            continue;
-                        }
-                    }
-                    let world = Rigid::identity();
-                    match proximity(solid, X_WF, &fixed.solid, &world, self.margin_m - depth_m, near_m - depth_m) {
-                        Proximity::Touching => return State::Hit(Pair { a: cluster.owner, b: fixed.owner }),
-                        Proximity::Near => is_near = true,
-                        Proximity::Apart => {}
-                    }
-                }
+        let looked_at = self.clusters.iter().enumerate().filter(|(_, cluster)| cluster.frame != left_out);
+        for (index, cluster) in looked_at {
+            let margin = if is_near { self.margin_m } else { margin_of(cluster.frame).max(self.margin_m) };
+            match self.against_fixed(scratch, index, cluster, margin) {
+                (Proximity::Touching, Some(pair)) => return State::Hit(pair),
+                (Proximity::Apart, _) => {}
+                _ => is_near = true,
             }
         }
         for pair in &self.pairs {
@@ -70,6 +89,45 @@ impl Checker {
             }
         }
         if is_near { State::Near } else { State::Free }
+    }
+
+    /// Compares a cluster with everything that stands still: touching what, or nearer than `margin_m` to something.
+    fn against_fixed(
+        &self,
+        scratch: &Scratch,
+        index: usize,
+        cluster: &Cluster,
+        margin_m: f64,
+    ) -> (Proximity, Option<Pair>) {
+        let (X_WF, center) = (&scratch.X_WF[cluster.frame], &scratch.centers[index]);
+        let mut closest = Proximity::Apart;
+        for &(fixed, depth_m) in &cluster.against {
+            let fixed = &self.fixed[fixed];
+            // Once something is near, only touching matters.
+            let near_m = if closest == Proximity::Near { self.margin_m } else { margin_m };
+            let reach = cluster.bound + near_m;
+            if squared_distance_to_box(center, &fixed.lower, &fixed.upper) > reach * reach {
+                continue;
+            }
+            for solid in &cluster.solids {
+                if cluster.solids.len() > 1 {
+                    let reach = solid.bound + near_m;
+                    let center = X_WF.point(&solid.center);
+                    if squared_distance_to_box(&center, &fixed.lower, &fixed.upper) > reach * reach {
+                        continue;
+                    }
+                }
+                let world = Rigid::identity();
+                match proximity(solid, X_WF, &fixed.solid, &world, self.margin_m - depth_m, near_m - depth_m) {
+                    Proximity::Touching => {
+                        return (Proximity::Touching, Some(Pair { a: cluster.owner, b: fixed.owner }));
+                    }
+                    Proximity::Near => closest = Proximity::Near,
+                    Proximity::Apart => {}
+                }
+            }
+        }
+        (closest, None)
     }
 
     /// All touching pairs at a configuration, each once; as [`Checker::first_hit`] for a `q` that is none.
@@ -271,6 +329,28 @@ mod tests {
         let pieces = [cuboid(0.1, 0.1, 0.1), cuboid(0.3, 0.01, 0.02)];
         let pieces = pieces.map(|piece| ConvexHull::new("brick", &piece).unwrap());
         CarriedObject::new("brick", &pieces, &Isometry3::translation(0.0, 0.0, 0.05), robot, arm).unwrap()
+    }
+
+    #[test]
+    fn the_hand_and_the_rest_together_find_what_the_whole_check_finds() {
+        let robot = two_arm_robot();
+        let model = CollisionModel::new(&robot).unwrap();
+        let mut rng = Rng::new(9, 0);
+        let rest = random_q(&robot, &mut rng);
+        let carried = brick(&robot, 0);
+        let checker = Checker::for_arm(&model, &scene(), Some(&carried), &[], 0, &rest).unwrap();
+        let mut scratch = Scratch::default();
+        let (mut of_hand, mut of_rest) = (0, 0);
+        for _ in 0..4000 {
+            let q = random_q(&robot, &mut rng);
+            let q: Vec<f64> = robot.arms[0].dofs.iter().map(|&dof| q[dof]).collect();
+            let hand = checker.first_hit_of_hand(&mut scratch, &q);
+            let besides = checker.first_hit_besides_hand(&mut scratch, &q);
+            assert_eq!(hand.is_some() || besides.is_some(), checker.first_hit(&mut scratch, &q).is_some());
+            of_hand += usize::from(hand.is_some() && besides.is_none());
+            of_rest += usize::from(hand.is_none() && besides.is_some());
+        }
+        assert!(of_hand > 20 && of_rest > 20, "both must matter: {of_hand} {of_rest}");
     }
 
     #[test]

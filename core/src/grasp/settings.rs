@@ -37,7 +37,7 @@ impl Default for GraspSettings {
             rolls: 1,
             depths: 3,
             palm_gap_m: 0.008,
-            fingertip_depth_m: 0.035,
+            fingertip_depth_m: 0.027,
             min_contacts: 3,
             surface: ContactSurface::Superquadric,
             friction: 0.5,

@@ -10,7 +10,7 @@ use crate::scene::Scene;
 use crate::task::{MotionSettings, Situation, Workcell};
 
 /// Configurations with straight ways that are looked for in an IK set; the planner starts from them.
-const WAYS_WANTED: usize = 4;
+const WAYS_WANTED: usize = 3;
 /// Configurations of an IK set that are tried for that, the most manipulable first.
 const WAYS_TRIED: usize = 48;
 /// Straight ways are looked at in steps of this length, as the planner follows them, metres.
@@ -121,7 +121,12 @@ impl<'a> Situate<'a> {
         let arm_angles = self.scene.rank.arm_angles;
         let reach = Reach { robot: &cell.robot, arm: cell.arm(), ik: &cell.ik, q_rest: &q_rest, arm_angles };
         let mut scratch = Scratch::default();
-        reach.situate(&(place.X_WO * grasp.X_OH), |q| checker.first_hit(&mut scratch, q).map(Obstruction::from))
+        // All configurations of the set put the hand at the same place.
+        let mut of_hand = None;
+        reach.situate(&(place.X_WO * grasp.X_OH), |q| {
+            let of_hand = of_hand.get_or_insert_with(|| checker.first_hit_of_hand(&mut scratch, q)).clone();
+            of_hand.or_else(|| checker.first_hit_besides_hand(&mut scratch, q)).map(Obstruction::from)
+        })
     }
 
     /// Looks for configurations from which the open hand can back off straight and the carried object can rise.

@@ -24,6 +24,9 @@ const REACH_SLACK: f64 = 1e-12;
 /// Arm angles to either side of a posture's own among which the nearest solution is looked for, radians.
 const NEAR_ANGLES: [f64; 7] = [0.0, 0.04, -0.04, 0.1, -0.1, 0.2, -0.2];
 
+/// A posture whose joints are all this near is near enough, radians: what a centimetre of the hand takes.
+const NEAR_ENOUGH: f64 = 0.06;
+
 /// What does not depend on the arm angle.
 pub(super) struct Posed {
     /// `R_BH · R_HB0`: the rotation that all seven joints make together.
@@ -120,15 +123,28 @@ impl SrsArm {
         math::atan2(normal.dot(&quarter), normal.dot(&zero))
     }
 
-    /// The solution nearest to a posture, by its farthest joint, at arm angles near the posture's own.
+    /// The solution nearest to a posture, by its farthest joint, at arm angles near the posture's own; the first that is
+    /// near enough is taken.
     pub fn near(&self, X_BH: &Isometry3<f64>, near: &[f64; 7]) -> Option<[f64; 7]> {
+        let posed = self.pose(X_BH).ok()?;
         let angle = self.arm_angle(near);
-        let mut found = IkSet::default();
-        for step in NEAR_ANGLES {
-            self.solve_into(X_BH, angle + step, &mut found);
-        }
         let farthest = |q: &[f64; 7]| q.iter().zip(near).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        found.solutions.iter().map(|solution| solution.q).min_by(|l, r| farthest(l).total_cmp(&farthest(r)))
+        let mut found = IkSet::default();
+        let mut best: Option<(f64, [f64; 7])> = None;
+        for step in NEAR_ANGLES {
+            found.clear();
+            self.solve_posed(&posed, angle + step, &mut found);
+            for solution in &found.solutions {
+                let distance = farthest(&solution.q);
+                if best.is_none_or(|(least, _)| distance < least) {
+                    best = Some((distance, solution.q));
+                }
+            }
+            if best.is_some_and(|(least, _)| least < NEAR_ENOUGH) {
+                break;
+            }
+        }
+        best.map(|(_, q)| q)
     }
 
     /// Elbow branches and everything else that all arm angles share.
