@@ -43,6 +43,9 @@ pub(super) struct Args {
     /// Boxes that stand beside the object in each case (experiment `prioritization`).
     #[arg(long)]
     pub(super) clutter: Option<usize>,
+    /// Accepts grasps without looking at straight ways in and out, as the thesis does (experiment `prioritization`).
+    #[arg(long)]
+    pub(super) any_way: bool,
     /// One fit or case after the other on one processor: gives times.
     #[arg(long)]
     pub(super) serial: bool,
@@ -122,6 +125,9 @@ fn settings(experiment: Experiment, args: &Args, common: &Common) -> Result<Expe
     }
     if args.robot.is_some() {
         return refuse("--robot", "it has no robot");
+    }
+    if args.any_way {
+        return refuse("--any-way", "nothing is grasped");
     }
     if args.clutter.is_some() {
         return refuse("--clutter", "nothing is planned");

@@ -29,8 +29,10 @@ pub(super) fn run(experiment: GraspExperiment, args: &Args, common: &Common) -> 
             }
         }
         GraspExperiment::Grasps => {
-            if args.trials.is_some() || args.clutter.is_some() {
-                return Err(Failure::new("--trials, --clutter: experiment grasps has its own poses, nothing is drawn"));
+            if args.trials.is_some() || args.clutter.is_some() || args.any_way {
+                return Err(Failure::new(
+                    "--trials, --clutter, --any-way: experiment grasps has its own poses, nothing is drawn",
+                ));
             }
             let outcome = watched(&elapsed_ms, |watch| run_feasible(&settings, watch))
                 .map_err(|refusal| Failure::new(refusal.to_string()))?;
@@ -58,6 +60,7 @@ fn settings(args: &Args, common: &Common) -> Result<GraspExperimentSettings, Fai
         objects: assets::object_names().into_iter().map(str::to_owned).collect(),
         trials: args.trials,
         clutter: args.clutter.unwrap_or(0),
+        any_way: args.any_way,
         seed: common.seed.unwrap_or(1),
         is_serial: args.serial,
     })

@@ -59,6 +59,9 @@ pub(super) struct Options {
     /// Arm angles over a full turn at which IK sets are sampled.
     #[arg(long, help_heading = "Order")]
     arm_angles: Option<usize>,
+    /// Accepts grasps without looking at straight ways in and out.
+    #[arg(long, help_heading = "Order")]
+    any_way: bool,
     /// Lets the torso move with the arm.
     #[arg(long, help_heading = "Order")]
     torso: bool,
@@ -107,6 +110,7 @@ impl Options {
         }
         set(&mut scene.rank.by, self.rank_by);
         set(&mut scene.rank.arm_angles, self.arm_angles);
+        scene.rank.straight_ways &= !self.any_way;
         scene.torso |= self.torso;
         scene.checked().map_err(|error| Failure::new(error.to_string()))
     }

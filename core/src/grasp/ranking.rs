@@ -19,11 +19,13 @@ pub struct RankSettings {
     pub weights: Weights,
     /// Arm angles over a full turn at which IK sets are sampled.
     pub arm_angles: usize,
+    /// Whether a grasp needs a straight way in and out at both poses to be accepted; the thesis asks for IK alone.
+    pub straight_ways: bool,
 }
 
 impl Default for RankSettings {
     fn default() -> Self {
-        Self { by: RankBy::Goal, weights: Weights::default(), arm_angles: 24 }
+        Self { by: RankBy::Goal, weights: Weights::default(), arm_angles: 24, straight_ways: true }
     }
 }
 

@@ -11,6 +11,8 @@ use crate::task::{MotionSettings, Situation, Workcell};
 
 /// Configurations with straight ways that are looked for in an IK set; the planner starts from them.
 const WAYS_WANTED: usize = 3;
+/// As many are given to the planner when straight ways are not asked for.
+const UNTRIED_WAYS: usize = 12;
 /// Configurations of an IK set that are tried for that, the most manipulable first.
 const WAYS_TRIED: usize = 48;
 /// Straight ways are looked at in steps of this length, as the planner follows them, metres.
@@ -131,6 +133,10 @@ impl<'a> Situate<'a> {
 
     /// Looks for configurations from which the open hand can back off straight and the carried object can rise.
     fn ways(&self, grasp: &Grasp, place: &Place, carrying: &Checker, set: &mut Situated) -> Result<(), Obstruction> {
+        if !self.scene.rank.straight_ways {
+            set.with_ways = most_manipulable(set).into_iter().take(UNTRIED_WAYS).collect();
+            return Ok(());
+        }
         let cell = self.cell;
         let X_BW = cell.robot.link_poses(&cell.q_start)[cell.arm().base_link].inverse();
         let X_WH = place.X_WO * grasp.X_OH;

@@ -69,6 +69,8 @@ pub struct GraspExperimentSettings {
     pub trials: Option<usize>,
     /// Boxes on the table, known to the robot, in each case.
     pub clutter: usize,
+    /// Whether grasps are accepted without looking at straight ways in and out, as in the thesis.
+    pub any_way: bool,
     /// Seed of everything random.
     pub seed: u64,
     /// One case after the other on one processor, so that times mean something.

@@ -122,7 +122,9 @@ impl Series<'_> {
         let (stop, now) = (|| watch.should_stop(), || watch.now_ms());
         let silent = Watch::new(&stop, &|_, _| (), &now);
         let stream = self.first_stream + number as u64;
-        let case = draw(self.robot, self.condition, self.objects, self.settings.clutter, self.settings.seed, stream);
+        let mut case =
+            draw(self.robot, self.condition, self.objects, self.settings.clutter, self.settings.seed, stream);
+        case.scene.rank.straight_ways = !self.settings.any_way;
         let refused = |refusal: Refusal| match watch.should_stop() {
             true => ExperimentRefusal::Stopped,
             false => ExperimentRefusal::Setup { reason: refusal.message },

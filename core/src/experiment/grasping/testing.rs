@@ -18,6 +18,7 @@ pub(super) fn settings(objects: &[&str]) -> GraspExperimentSettings {
         objects: objects.iter().map(|name| (*name).to_owned()).collect(),
         trials: Some(1),
         clutter: 0,
+        any_way: false,
         seed: 1,
         is_serial: false,
     }
