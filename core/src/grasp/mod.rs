@@ -62,7 +62,7 @@ pub struct Grasp {
     /// Smallest distance of the closed hand from table and neighbours at start and goal, metres; `None` while unknown.
     #[serde(default)]
     pub clearance_m: Option<f64>,
-    /// The weighted score among the accepted grasps; `None` before they are ranked.
+    /// The weighted score among the accepted grasps; `None` while they are not ranked by it.
     #[serde(default)]
     pub score: Option<Score>,
     /// The grasp at the start pose; `None` while it was not reached.

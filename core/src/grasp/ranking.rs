@@ -121,10 +121,13 @@ pub struct Term {
     pub share: f64,
 }
 
-/// Orders grasps: accepted ones first, best first, equal ones by number; then the others by number. Fills in the
-/// scores.
+/// Orders grasps: accepted ones first, best first, equal ones by number; then the others by number. The scores
+/// are filled in when they decide.
 pub fn rank(grasps: &mut [Grasp], settings: &RankSettings, seed: u64) {
-    score(grasps, &settings.weights);
+    match settings.by {
+        RankBy::Score => score(grasps, &settings.weights),
+        _ => grasps.iter_mut().for_each(|grasp| grasp.score = None),
+    }
     let has_goal = grasps.iter().any(|grasp| grasp.is_accepted() && grasp.goal.is_some());
     let quantity = settings.by.quantity(has_goal);
     let key = |grasp: &Grasp| match quantity {
@@ -174,5 +177,78 @@ fn score(grasps: &mut [Grasp], weights: &Weights) {
             let total: f64 = terms.iter().map(|term| term.weight * term.share).sum();
             Score { total: if sum > 0.0 { total / sum } else { 0.0 }, terms }
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Isometry3;
+
+    use super::*;
+    use crate::grasp::{GraspStatus, Situated, Success};
+
+    /// A grasp with these m_g at start and goal, and this ε.
+    fn grasp(id: u32, start: f64, goal: f64, epsilon: f64) -> Grasp {
+        let set = |m_g: f64| Some(Situated { m_g, ik_count: 10 + id as usize, ..Situated::default() });
+        Grasp {
+            id,
+            part: 0,
+            X_OH: Isometry3::identity(),
+            closed: Vec::new(),
+            contacts: vec![crate::grasp::Contact {
+                p_O: nalgebra::Point3::origin(),
+                n_O: nalgebra::Vector3::z(),
+                penetration_m: 0.0,
+                link: "palm".into(),
+            }],
+            width_m: 0.05,
+            epsilon,
+            volume: None,
+            success: Some(Success { held: id, trials: 10 }),
+            clearance_m: Some(0.01 * f64::from(id)),
+            score: None,
+            start: set(start),
+            goal: set(goal),
+            status: GraspStatus::Accepted,
+        }
+    }
+
+    fn order(by: RankBy, weights: Weights, seed: u64) -> Vec<u32> {
+        let mut grasps = vec![grasp(0, 0.09, 0.02, 0.3), grasp(1, 0.05, 0.09, 0.1), grasp(2, 0.08, 0.07, 0.2)];
+        grasps.push(Grasp { status: GraspStatus::TooFewContacts { found: 1, wanted: 3 }, ..grasp(3, 1.0, 1.0, 1.0) });
+        rank(&mut grasps, &RankSettings { by, weights, ..RankSettings::default() }, seed);
+        assert!(!grasps[3].is_accepted() && grasps[3].score.is_none(), "what is rejected comes last");
+        for grasp in &grasps[..3] {
+            assert_eq!(grasp.score.is_some(), by == RankBy::Score);
+            for term in grasp.score.iter().flat_map(|score| &score.terms) {
+                assert!((0.0..=1.0).contains(&term.share), "{term:?}");
+            }
+        }
+        grasps[..3].iter().map(|grasp| grasp.id).collect()
+    }
+
+    #[test]
+    fn every_order_puts_its_own_best_first() {
+        let usual = Weights::default();
+        assert_eq!(order(RankBy::Start, usual, 1), [0, 2, 1]);
+        assert_eq!(order(RankBy::Goal, usual, 1), [1, 2, 0]);
+        assert_eq!(order(RankBy::Mean, usual, 1), [2, 1, 0]);
+        assert_eq!(order(RankBy::Epsilon, usual, 1), [0, 2, 1]);
+    }
+
+    #[test]
+    fn a_score_of_one_term_orders_by_that_term_and_one_of_none_by_number() {
+        let none = Weights { m_g_goal: 0.0, m_g_start: 0.0, ik_count: 0.0, epsilon: 0.0, success: 0.0, clearance: 0.0 };
+        assert_eq!(order(RankBy::Score, Weights { m_g_goal: 2.0, ..none }, 1), [1, 2, 0]);
+        assert_eq!(order(RankBy::Score, Weights { success: 0.1, ..none }, 1), [2, 1, 0]);
+        assert_eq!(order(RankBy::Score, none, 1), [0, 1, 2]);
+    }
+
+    #[test]
+    fn a_random_order_depends_on_the_seed_alone() {
+        let orders: Vec<_> = (0..30).map(|seed| order(RankBy::Random, Weights::default(), seed)).collect();
+        assert_eq!(orders[7], order(RankBy::Random, Weights::default(), 7));
+        let different = |first: u32| orders.iter().filter(|order| order[0] == first).count();
+        assert!((0..3).all(|first| different(first) > 3), "each comes first sometimes");
     }
 }
