@@ -5,9 +5,9 @@ use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use crate::math;
 use crate::robot::{Arm, Geometry, JointKind, Robot};
 
-/// Distance between neighbouring spheres on a link, metres: a third of the width of a finger, so that no bump of the
-/// object as wide as a finger fits between two of them.
-const SPHERE_SPACING_M: f64 = 0.008;
+/// Distance between neighbouring spheres on a link, metres: half the thickness of a finger, so that no bump of the
+/// object as wide as a finger fits between two of them, and a ball in a flat jaw touches more than one.
+const SPHERE_SPACING_M: f64 = 0.006;
 /// Edge of the cells in which the spheres of a link are grouped, metres: some twenty each on a flat face.
 const PATCH_M: f64 = 0.028;
 
