@@ -12,7 +12,7 @@ use crate::render::shapes::{self, ProfileVertex};
 use crate::render::{ColorMap, Frame, LineDraw, MeshDraw, Scale, Surface};
 use crate::viewer::{Layer, Pick};
 
-/// Height of a friction cone, metres.
+/// Largest height of a friction cone, metres.
 const CONE_M: f64 = 0.022;
 /// Opacity of a friction cone.
 const CONE_OPACITY: f32 = 0.30;
@@ -68,10 +68,14 @@ fn pin() -> Mesh {
     shapes::revolve(&profile, 10)
 }
 
+/// Height of a friction cone, metres: its rim stays within a hand's breadth for any coefficient.
+fn cone_height_m(friction: f64) -> f64 {
+    CONE_M.min(0.03 / friction.max(1e-3))
+}
+
 /// A cone with its tip at the origin, open along z; its half angle is that of friction, `atan μ`.
 fn friction_cone(friction: f64) -> Mesh {
-    // The rim stays within a hand's breadth for any coefficient.
-    let height_m = CONE_M.min(0.03 / friction.max(1e-3));
+    let height_m = cone_height_m(friction);
     let turned = Isometry3::from_parts(
         Translation3::new(0.0, 0.0, height_m),
         UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI),
@@ -155,7 +159,7 @@ impl Composer {
             }
             let mut color = palette.contact;
             color[3] *= opacity * 0.9;
-            let height_m = CONE_M.min(0.03 / glyphs.friction.max(1e-3));
+            let height_m = cone_height_m(glyphs.friction);
             frame.lines.push(LineDraw::new(ring(&X_WM, height_m, glyphs.friction * height_m), color, 1.3));
         }
     }

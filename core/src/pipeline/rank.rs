@@ -53,7 +53,7 @@ pub(crate) fn workcell(
     };
     let (ik, model, world) = build().map_err(|error| refusal(&error))?;
     let Some(Ok(target)) = fits.fits.get(fits.target) else {
-        return Err(Refusal { message: "the object to grasp has no fit".into(), details: Vec::new() });
+        return Err(no_fit());
     };
     let hand = HandModel::new(&robot, arm);
     let bodies_O = bodies_in_object(target);
@@ -71,6 +71,11 @@ pub(crate) fn workcell(
         X_WO_goal: super::goal::goal_pose(scene, target, is_dropped),
         robot,
     })
+}
+
+/// There is nothing to grasp.
+pub(super) fn no_fit() -> Refusal {
+    Refusal { message: "the object to grasp has no fit".into(), details: Vec::new() }
 }
 
 fn refusal(error: &dyn std::error::Error) -> Refusal {

@@ -154,12 +154,11 @@ impl Pipeline {
             &scene.posture,
             &scene.task,
             &scene.grasp,
-            scene.seed,
         )));
         let (cell, grasps) = self.grasps.get(inputs.clone(), || {
             let cell = rank::workcell(scene, fits, &segments.clusters, dropped.is_some(), library)?;
             let Some(Ok(target)) = fits.fits.get(fits.target) else {
-                return Err(no_fit());
+                return Err(rank::no_fit());
             };
             let points = &segments.clusters[fits.target];
             let touched = rank::touched(scene, target, points, dropped.is_some(), library)?;
@@ -176,7 +175,7 @@ impl Pipeline {
 
         inputs.push(text(&scene.rank));
         let ranked = self.rank.get(inputs.clone(), || {
-            let Some(Ok(target)) = fits.fits.get(fits.target) else { return Err(no_fit()) };
+            let Some(Ok(target)) = fits.fits.get(fits.target) else { return Err(rank::no_fit()) };
             rank::ranked(cell, grasps, target, scene, watch)
         })?;
         let accepted = ranked.iter().filter(|grasp| grasp.is_accepted()).count();
@@ -191,10 +190,6 @@ impl Pipeline {
         })?;
         Ok(Output::Plan(Box::new(plan.clone())))
     }
-}
-
-fn no_fit() -> Refusal {
-    Refusal { message: "the object to grasp has no fit".into(), details: Vec::new() }
 }
 
 /// FNV-1a: tells two files of one name and length apart.

@@ -7,16 +7,14 @@ use crate::grasp::{Grasp, GraspStatus, Obstruction, Reach, Situated, Unwanted};
 use crate::parallel;
 use crate::plan::CartesianSettings;
 use crate::scene::Scene;
-use crate::task::{MotionSettings, Situation, Workcell};
+use crate::task::{MotionSettings, STRAIGHT_STEP_M, Workcell};
 
 /// Configurations with straight ways that are looked for in an IK set; the planner starts from them.
 const WAYS_WANTED: usize = 3;
-/// As many are given to the planner when straight ways are not asked for.
-const UNTRIED_WAYS: usize = 12;
 /// Configurations of an IK set that are tried for that, the most manipulable first.
 const WAYS_TRIED: usize = 48;
-/// Straight ways are looked at in steps of this length, as the planner follows them, metres.
-const STEP_M: f64 = 0.01;
+/// Configurations that the planner gets untried when straight ways are not asked for.
+const UNTRIED_WAYS: usize = 12;
 
 /// Situates all accepted candidates; `should_stop` is asked before each.
 pub(super) fn situate_all(
@@ -98,8 +96,7 @@ impl<'a> Situate<'a> {
     }
 
     fn carrying(&self, grasp: &Grasp, place: &Place) -> Result<Checker, CollisionError> {
-        let situation: Situation = self.cell.carrying(grasp, &place.supports)?;
-        self.cell.checker(&situation)
+        self.cell.checker(&self.cell.carrying(grasp, &place.supports)?)
     }
 
     /// The distance of the closed hand from everything at start and goal, and whether it is enough.
@@ -144,7 +141,7 @@ impl<'a> Situate<'a> {
         let jump_rad = CartesianSettings::default().max_joint_step_rad;
         let mut follow = |q: &[f64], length_m: f64, way: &dyn Fn(f64) -> Isometry3<f64>, checker: &Checker| {
             let mut q = q.to_vec();
-            let steps = libm::ceil(length_m / STEP_M) as u32;
+            let steps = libm::ceil(length_m / STRAIGHT_STEP_M) as u32;
             for step in 1..=steps {
                 let X_BH = X_BW * way(length_m * f64::from(step) / f64::from(steps));
                 let Some(next) = cell.ik.near(&X_BH, &q) else { return Err(Blocked::NoIk { X_BH, q }) };

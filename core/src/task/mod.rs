@@ -5,6 +5,7 @@ mod pick_and_place;
 mod report;
 mod workcell;
 
+pub(crate) use motion::STRAIGHT_STEP_M;
 pub use pick_and_place::{MotionSettings, PickAndPlace, plan_pick_and_place};
 pub use report::plan_json_lines;
 pub use workcell::{Situation, TARGET, Workcell, WorkcellError};

@@ -12,7 +12,7 @@ use crate::plan::{
 use crate::watch::Watch;
 
 /// Distance between poses on a straight way, metres, and radians.
-const STRAIGHT_STEP_M: f64 = 0.01;
+pub(crate) const STRAIGHT_STEP_M: f64 = 0.01;
 const STRAIGHT_STEP_RAD: f64 = 0.1;
 /// Searches of which the shortest path is taken: an RRT's first path may be a long way round.
 const SEARCHES: u64 = 6;

@@ -13,6 +13,7 @@ use crate::robot::{Arm, Chain, ChainError, JointLimit, Robot};
 const FIRST_ANGLES: [f64; 5] = [0.0, 1.3, -1.3, 2.5, -2.5];
 /// Arm angles whose reasons are counted when none is feasible.
 const REASON_ANGLES: usize = 36;
+
 /// The inverse kinematics of an arm: closed form where the arm allows it, numeric where it does not.
 ///
 /// Postures are joint vectors in the order of [`Arm::dofs`], as long as that list.
