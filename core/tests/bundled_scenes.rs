@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use endcomfort_core::cloud::RgbdCamera;
 use endcomfort_core::object::{HouseholdObject, SceneBody, view_scene};
-use endcomfort_core::scene::{Scene, Task};
+use endcomfort_core::scene::Scene;
 use endcomfort_core::segment::{PointFate, SegmentSettings, segment};
 use endcomfort_core::watch::Watch;
 use nalgebra::Vector3;
@@ -107,7 +107,7 @@ fn objects_stand_on_the_table_apart_from_each_other_and_goals_are_free() {
             let placed = &scene.objects[index];
             objects.iter().find(|object| object.name == placed.object).unwrap().half_extents()
         };
-        let Task::PickAndPlace { object: target, X_WO_goal } = &scene.task else { panic!("{}", scene.name) };
+        let (target, X_WO_goal) = (&scene.task.object, scene.task.X_WO_goal().expect(&scene.name));
         for (index, placed) in scene.objects.iter().enumerate() {
             let p = placed.X_WO.translation.vector;
             assert!((p.z - size(index).z - scene.table.height_m).abs() < 5e-4, "{}: {}", scene.name, placed.object);

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use endcomfort_core::job::{Output, Stage};
-use endcomfort_core::scene::Task;
 use endcomfort_core::task::plan_json_lines;
 
 use super::{Common, Failure, input};
@@ -38,12 +37,12 @@ enum TaskName {
 
 pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
     let mut request = input::request(&args.scene, args.robot.as_deref(), common)?;
-    match (args.task, &request.scene.task) {
-        (TaskName::Pick, Task::PickAndPlace { object, .. }) => request.scene.task = Task::Pick { object: *object },
-        (TaskName::Place, Task::Pick { .. }) => {
+    match args.task {
+        TaskName::Pick => request.scene.task.steps.clear(),
+        TaskName::Place if request.scene.task.steps.is_empty() => {
             return Err(Failure::new(format!("{}: the scene has no goal to place at", args.scene)));
         }
-        _ => {}
+        TaskName::Place => {}
     }
     request.grasp = args.grasp;
     if let Some(file) = &args.hand {
@@ -58,7 +57,7 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
         plan_json_lines(&plan, &robot).iter().for_each(|line| println!("{line}"));
         return Ok(());
     }
-    println!("{} arm, grasp {}, {:.2} s", plan.arm, plan.grasp.id, plan.duration_s());
+    println!("{} arm, grasp {}, {:.2} s", plan.arm, plan.grasp().id, plan.duration_s());
     for phase in &plan.phases {
         let clearance = phase.clearance_m.iter().copied().fold(f64::INFINITY, f64::min);
         println!(
@@ -69,8 +68,8 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
             clearance * 1e3
         );
     }
-    for (grasp, reason) in &plan.failed_grasps {
-        println!("  before it, grasp {grasp} failed: {reason}");
+    for tried in &plan.tries {
+        println!("  before it {tried}");
     }
     Ok(())
 }

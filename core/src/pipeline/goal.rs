@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Translation3, Vector3};
 
 use crate::fit::Fit;
-use crate::scene::{Scene, Task};
+use crate::scene::Scene;
 use crate::superquadric::Superquadric;
 
 /// Room left between the object and what it is put on, metres: it is let go just above.
@@ -15,8 +15,8 @@ const SETTLE_GAP_M: f64 = 0.002;
 /// along z until the lowest point of all its bodies is just above what it shall stand on. For a dropped cloud the
 /// described object does not exist: only the motion's translation is taken.
 pub(super) fn goal_pose(scene: &Scene, fitted: &Fit, is_dropped: bool) -> Option<Isometry3<f64>> {
-    let Task::PickAndPlace { object, X_WO_goal } = &scene.task else { return None };
-    let X_WO_start = scene.objects[*object].X_WO;
+    let X_WO_goal = scene.task.X_WO_goal()?;
+    let X_WO_start = scene.objects[scene.task.object].X_WO;
     let X_WS = fitted.superquadric.X_FS;
     let moved = if is_dropped {
         Translation3::from(X_WO_goal.translation.vector - X_WO_start.translation.vector) * X_WS

@@ -9,7 +9,7 @@ use crate::job::{
     FitOutput, GraspsOutput, Output, RankOutput, Refusal, Request, SceneOutput, SegmentOutput, Stage, Update,
 };
 use crate::library::Library;
-use crate::task::{MotionSettings, PickAndPlace, Plan, Workcell, plan_pick_and_place};
+use crate::task::{PickAndPlace, Plan, Workcell, plan_pick_and_place};
 use crate::watch::Watch;
 
 /// Runs requests and remembers what each stage gave last.
@@ -128,7 +128,7 @@ impl Pipeline {
             return Ok(Output::Scene(seen.clone()));
         }
 
-        inputs.push(text(&(&scene.segment, request.cluster, scene.task.object())));
+        inputs.push(text(&(&scene.segment, request.cluster, scene.task.object)));
         let segments = self
             .segment
             .get(inputs.clone(), || perceive::segment_output(scene, seen, dropped.is_some(), request.cluster, watch))?;
@@ -173,7 +173,7 @@ impl Pipeline {
             }));
         }
 
-        inputs.push(text(&scene.rank));
+        inputs.push(text(&(&scene.rank, scene.motion.straight_ways())));
         let ranked = self.rank.get(inputs.clone(), || {
             let Some(Ok(target)) = fits.fits.get(fits.target) else { return Err(rank::no_fit()) };
             rank::ranked(cell, grasps, target, scene, watch)
@@ -183,10 +183,10 @@ impl Pipeline {
             return Ok(Output::Rank(RankOutput { grasps: ranked.clone(), accepted }));
         }
 
-        inputs.push(text(&request.grasp));
+        inputs.push(text(&(&scene.motion, request.grasp)));
         let plan = self.plan.get(inputs, || {
             let task = PickAndPlace { cell, ranked, chosen: request.grasp, seed: scene.seed };
-            plan_pick_and_place(&task, &MotionSettings::default(), watch)
+            plan_pick_and_place(&task, &scene.motion, watch)
         })?;
         Ok(Output::Plan(Box::new(plan.clone())))
     }

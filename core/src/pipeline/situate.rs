@@ -48,7 +48,7 @@ struct Situate<'a> {
     scene: &'a Scene,
     start: Place,
     goal: Option<Place>,
-    motion: MotionSettings,
+    motion: &'a MotionSettings,
 }
 
 impl<'a> Situate<'a> {
@@ -58,7 +58,7 @@ impl<'a> Situate<'a> {
             Ok(Place { X_WO, supports: cell.supports(&X_WO), open })
         };
         let goal = cell.X_WO_goal.map(place).transpose()?;
-        Ok(Self { cell, scene, start: place(cell.X_WO_start)?, goal, motion: MotionSettings::default() })
+        Ok(Self { cell, scene, start: place(cell.X_WO_start)?, goal, motion: &scene.motion })
     }
 
     /// Fills in the grasp's sets at start and goal, its clearance, and what speaks against it.

@@ -2,8 +2,7 @@
 
 use nalgebra::{Isometry3, Translation3, Vector3};
 
-use super::pick_and_place::MotionSettings;
-use super::{PhaseKind, Workcell};
+use super::{MotionSettings, PhaseKind, Workcell};
 use crate::collision::Scratch;
 use crate::plan::{
     ArmSpace, BirrtSettings, CartesianSettings, CartesianStop, MotionLimits, Path, PlanOutcome, ShortcutSettings,

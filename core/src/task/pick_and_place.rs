@@ -8,45 +8,12 @@
 use nalgebra::{Isometry3, Translation3};
 
 use super::motion::{Draft, Mover, joined, reversed};
-use super::{Phase, PhaseKind, Plan, Situation, Workcell};
+use super::{Certificate, Leg, MotionSettings, Phase, PhaseKind, Plan, Situation, Try, Workcell};
 use crate::collision::CollisionError;
 use crate::grasp::{Grasp, Situated};
 use crate::job::Refusal;
 use crate::plan::{ArmSpace, Path};
 use crate::watch::Watch;
-
-/// How the robot moves.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MotionSettings {
-    /// Straight way of the open hand before the grasp and after letting go, metres.
-    pub approach_m: f64,
-    /// Shortest straight way that still counts, metres.
-    pub min_approach_m: f64,
-    /// Straight way up after the grasp and down at the goal, metres.
-    pub lift_m: f64,
-    /// Grasps tried before the task is refused.
-    pub max_grasps: usize,
-    /// Share of the joints' speed limits.
-    pub velocity_scale: f64,
-    /// Share of the joints' acceleration limits.
-    pub acceleration_scale: f64,
-    /// Time that the fingers take to close or open, seconds.
-    pub fingers_s: f64,
-}
-
-impl Default for MotionSettings {
-    fn default() -> Self {
-        Self {
-            approach_m: 0.09,
-            min_approach_m: 0.03,
-            lift_m: 0.06,
-            max_grasps: 12,
-            velocity_scale: 1.0,
-            acceleration_scale: 1.0,
-            fingers_s: 0.8,
-        }
-    }
-}
 
 /// What is asked for.
 pub struct PickAndPlace<'a> {
@@ -69,7 +36,7 @@ pub fn plan_pick_and_place(
     settings: &MotionSettings,
     watch: Watch<'_>,
 ) -> Result<Plan, Refusal> {
-    let refusal = |message: String, details: Vec<String>| Refusal { message, details };
+    let refusal = |message: String, details: Vec<String>| Refusal::new(message).with_details(details);
     let usable: Vec<&Grasp> = match task.chosen {
         None => task.ranked.iter().filter(|grasp| grasp.is_accepted()).take(settings.max_grasps).collect(),
         Some(id) => match task.ranked.iter().find(|grasp| grasp.id == id) {
@@ -84,20 +51,28 @@ pub fn plan_pick_and_place(
         let message = format!("none of the {} grasps can be used at both poses", task.ranked.len());
         return Err(refusal(message, reasons_of_rejected(task.ranked)));
     }
-    let mut failed: Vec<(u32, String)> = Vec::new();
+    let mut failed: Vec<Try> = Vec::new();
     for grasp in usable {
         if watch.should_stop() {
             return Err(refusal("stopped".into(), Vec::new()));
         }
         match plan_with(task, grasp, settings, watch) {
             Ok(phases) => return Ok(assemble(task.cell, settings, grasp, phases, failed)),
-            Err(Setback { phase, reason }) => failed.push((grasp.id, format!("{}: {reason}", phase.name()))),
+            Err(Setback { phase, reason }) => failed.push(Try {
+                grasp: Some(grasp.id),
+                phase: Some(phase),
+                reason,
+                culprits: Vec::new(),
+                q: Vec::new(),
+                carries: false,
+            }),
         }
     }
     let tried = failed.len();
     let plural = if tried == 1 { "grasp was" } else { "grasps were" };
-    let details = failed.into_iter().map(|(id, reason)| format!("grasp {id}: {reason}")).collect();
-    Err(refusal(format!("no path: {tried} {plural} tried, none of them worked"), details))
+    let details = failed.iter().map(Try::to_string).collect();
+    let refused = refusal(format!("no path: {tried} {plural} tried, none of them worked"), details);
+    Err(Refusal { tries: failed, ..refused })
 }
 
 /// Why candidates were dropped, most frequent first.
@@ -213,20 +188,14 @@ fn straight_ways(
 }
 
 /// Phases one after the other.
-fn assemble(
-    cell: &Workcell,
-    settings: &MotionSettings,
-    grasp: &Grasp,
-    drafts: Vec<Draft>,
-    failed_grasps: Vec<(u32, String)>,
-) -> Plan {
+fn assemble(cell: &Workcell, settings: &MotionSettings, grasp: &Grasp, drafts: Vec<Draft>, tries: Vec<Try>) -> Plan {
     let arm = cell.arm();
     let mut start_s = 0.0;
     let phases: Vec<Phase> = drafts
         .into_iter()
         .map(|draft| {
             let Draft { kind, trajectory, carries, manipulability, clearance_m } = draft;
-            let phase = Phase { kind, start_s, trajectory, carries, manipulability, clearance_m };
+            let phase = Phase { kind, leg: 0, start_s, trajectory, carries, manipulability, clearance_m };
             start_s += phase.trajectory.duration_s();
             phase
         })
@@ -234,13 +203,17 @@ fn assemble(
     let X_WO_lifted = Translation3::new(0.0, 0.0, settings.lift_m) * cell.X_WO_start;
     Plan {
         arm: arm.name.clone(),
-        grasp: grasp.clone(),
+        legs: vec![Leg {
+            grasp: grasp.clone(),
+            X_WO_start: cell.X_WO_start,
+            X_WO_end: cell.X_WO_goal.unwrap_or(X_WO_lifted),
+        }],
         phases,
         q_start: cell.q_with_fingers(&cell.hand.open),
         dofs: arm.dofs.iter().chain(arm.hand.fingers.iter().flatten()).copied().collect(),
-        X_WO_start: cell.X_WO_start,
-        X_WO_end: cell.X_WO_goal.unwrap_or(X_WO_lifted),
         tcp_link: arm.hand.tcp_link,
-        failed_grasps,
+        tries,
+        routes: Vec::new(),
+        certificate: Certificate::default(),
     }
 }

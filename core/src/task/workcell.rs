@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::Isometry3;
 
-use super::{PhaseKind, Plan};
+use super::{Leg, PhaseKind, Plan};
 use crate::collision::{
     CarriedObject, Checker, CollisionError, CollisionModel, ConvexHull, Exhaustive, MayTouch, Party, World,
 };
@@ -131,19 +131,20 @@ impl Workcell {
         })
     }
 
-    /// What surrounds the arm in a phase of a plan.
+    /// What surrounds the arm in a phase of a leg.
     ///
     /// # Errors
     /// As [`Workcell::approaching`].
-    pub fn situation(&self, kind: PhaseKind, plan: &Plan) -> Result<Situation, CollisionError> {
+    pub fn situation(&self, kind: PhaseKind, leg: &Leg) -> Result<Situation, CollisionError> {
+        let Leg { grasp, X_WO_start, X_WO_end } = leg;
         match kind {
-            PhaseKind::Reach => self.approaching(&plan.X_WO_start),
-            PhaseKind::Close => self.grasping(&plan.X_WO_start, &plan.grasp.closed),
-            PhaseKind::Lift => self.carrying(&plan.grasp, &self.supports(&plan.X_WO_start)),
-            PhaseKind::Transport => self.carrying(&plan.grasp, &[]),
-            PhaseKind::Place => self.carrying(&plan.grasp, &self.supports(&plan.X_WO_end)),
-            PhaseKind::Open => self.grasping(&plan.X_WO_end, &plan.grasp.closed),
-            PhaseKind::Retreat => self.approaching(&plan.X_WO_end),
+            PhaseKind::Reach => self.approaching(X_WO_start),
+            PhaseKind::Close => self.grasping(X_WO_start, &grasp.closed),
+            PhaseKind::Lift => self.carrying(grasp, &self.supports(X_WO_start)),
+            PhaseKind::Transport | PhaseKind::Pour => self.carrying(grasp, &[]),
+            PhaseKind::Slide | PhaseKind::Place => self.carrying(grasp, &self.supports(X_WO_end)),
+            PhaseKind::Open => self.grasping(X_WO_end, &grasp.closed),
+            PhaseKind::Retreat => self.approaching(X_WO_end),
         }
     }
 
@@ -162,8 +163,8 @@ impl Workcell {
     /// # Errors
     /// As [`Workcell::approaching`].
     pub fn rewalk(&self, plan: &Plan, density: usize) -> Result<Option<(PhaseKind, WalkHit)>, CollisionError> {
-        for phase in plan.phases.iter().filter(|phase| !matches!(phase.kind, PhaseKind::Close | PhaseKind::Open)) {
-            let Situation { world, carried, may_touch, q_rest } = self.situation(phase.kind, plan)?;
+        for phase in plan.phases.iter().filter(|phase| !phase.kind.is_of_fingers()) {
+            let Situation { world, carried, may_touch, q_rest } = self.situation(phase.kind, &plan.legs[phase.leg])?;
             let judge = Exhaustive::new(&self.model, &world, carried.as_ref(), &may_touch)?;
             if let Some(hit) = walk(&judge, &plan.dofs, &q_rest, &phase.trajectory, density) {
                 return Ok(Some((phase.kind, hit)));

@@ -259,9 +259,9 @@ mod tests {
         let ranked = ranked(&cell, &grasps, target, &case.scene, Watch::idle()).unwrap();
         let task = PickAndPlace { cell: &cell, ranked: &ranked, chosen: None, seed: case.scene.seed };
         let plan = plan_pick_and_place(&task, &MotionSettings::default(), Watch::idle()).unwrap();
-        assert_eq!(plan.failed_grasps.len() + 1, by_goal.tried);
+        assert_eq!(plan.tries.len() + 1, by_goal.tried);
         assert_eq!(ranked[0].id, by_goal.grasp.unwrap());
-        assert_eq!(plan.grasp.id == ranked[0].id, by_goal.is_one_shot());
+        assert_eq!(plan.grasp().id == ranked[0].id, by_goal.is_one_shot());
     }
 
     #[test]
