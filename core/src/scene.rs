@@ -163,7 +163,7 @@ pub enum Action {
 pub struct Freedom {
     /// Turn about the vertical to either side, rad; π leaves it free.
     pub yaw_rad: f64,
-    /// Shift along the goal's own horizontal x and y to either side, metres.
+    /// Shift along the world's x and y to either side, metres.
     pub area_m: [f64; 2],
     /// Half angle of the cone of directions in which the object's upright axis may point, rad.
     pub cone_rad: f64,
