@@ -6,8 +6,9 @@ use super::pick_and_place::MotionSettings;
 use super::{PhaseKind, Workcell};
 use crate::collision::Scratch;
 use crate::plan::{
-    ArmSpace, BirrtSettings, CartesianSettings, CartesianStop, MotionLimits, Path, PlanOutcome, ShortcutSettings,
-    StopReason, TimingSettings, Trajectory, follow_poses, plan_path, shorten, straight_line, time_path,
+    ArmSpace, BirrtSettings, CartesianSettings, CartesianStop, MotionLimits, NoPath, Path, PlanOutcome,
+    ShortcutSettings, StopReason, TimingSettings, Trajectory, follow_poses, plan_path, shorten, straight_line,
+    time_path,
 };
 use crate::watch::Watch;
 
@@ -170,7 +171,7 @@ fn outcome_reason(outcome: PlanOutcome) -> String {
         PlanOutcome::GoalsInCollision { first, count } => {
             format!("at all {count} goals something is hit, first {} and {}", first.a, first.b)
         }
-        PlanOutcome::NoPath { nodes, iterations, nearest_gap_rad } => format!(
+        PlanOutcome::NoPath(NoPath { nodes, iterations, nearest_gap_rad, .. }) => format!(
             "no path among {nodes} nodes after {iterations} draws; the trees stayed {nearest_gap_rad:.2} rad apart"
         ),
         PlanOutcome::Found(_) | PlanOutcome::Stopped => "stopped".into(),
