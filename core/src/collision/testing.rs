@@ -65,7 +65,7 @@ impl Builder {
 }
 
 fn limit(bound: f64, velocity: f64) -> JointLimit {
-    JointLimit { lower: -bound, upper: bound, velocity, acceleration: velocity }
+    JointLimit { lower: -bound, upper: bound, velocity, acceleration: velocity, jerk: 10.0 * velocity }
 }
 
 /// Two S-R-S arms (0.240 / 0.328 / 0.323 / 0.0824 m) at a height of 1.23 m, `left` and `right`, seven joints each,
@@ -110,7 +110,7 @@ pub(crate) fn two_arm_robot() -> Robot {
         let flange = b.link(links[7], &name("flange"), JointKind::Fixed, along(0.0824), z, fixed);
         let palm = b.link(flange, &name("palm"), JointKind::Fixed, along(0.0672), z, fixed);
         b.cuboid(palm, [0.0, 0.0, 0.04], [0.14, 0.06, 0.08]);
-        let stroke = JointLimit { lower: 0.0, upper: 0.05, velocity: 0.1, acceleration: 0.1 };
+        let stroke = JointLimit { lower: 0.0, upper: 0.05, velocity: 0.1, acceleration: 0.1, jerk: 1.0 };
         let mut fingers = Vec::new();
         for (finger, sign) in [("finger_1", 1.0), ("finger_2", -1.0)] {
             let X_PJ = Isometry3::translation(sign * 0.058, 0.0, 0.08);

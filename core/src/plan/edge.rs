@@ -1,6 +1,6 @@
 //! Straight joint motions, proven free of collisions rather than sampled.
 
-use super::space::{ArmSpace, Path};
+use super::space::ArmSpace;
 use crate::collision::{Hit, Pair, Scratch, State};
 
 /// Where a straight motion is blocked.
@@ -41,11 +41,6 @@ impl ArmSpace {
     /// Whether the straight motion is free; the ends must be configurations.
     pub(crate) fn edge_is_free(&self, scratch: &mut Scratch, from: &[f64], to: &[f64]) -> bool {
         self.blocked(scratch, from, to).is_none()
-    }
-
-    /// Whether all motions of a path are free.
-    pub(crate) fn path_is_free(&self, scratch: &mut Scratch, path: &Path) -> bool {
-        path.points.windows(2).all(|pair| self.edge_is_free(scratch, &pair[0], &pair[1]))
     }
 
     fn blocked(&self, scratch: &mut Scratch, from: &[f64], to: &[f64]) -> Option<(f64, Pair)> {
@@ -92,7 +87,7 @@ mod tests {
     use super::*;
     use crate::collision::Exhaustive;
     use crate::plan::testing::Bench;
-    use crate::plan::walk_path;
+    use crate::plan::{Path, walk_path};
     use crate::rng::Rng;
 
     #[test]

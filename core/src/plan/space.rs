@@ -19,6 +19,8 @@ pub struct ArmSpace {
     pub max_velocity: Vec<f64>,
     /// Largest joint accelerations, rad/s².
     pub max_acceleration: Vec<f64>,
+    /// Largest joint jerks, rad/s³.
+    pub max_jerk: Vec<f64>,
     /// Who touches whom; its columns are the arm's joints.
     pub checker: Checker,
 }
@@ -56,6 +58,7 @@ impl ArmSpace {
             upper: joints().map(|joint| joint.limit.upper).collect(),
             max_velocity: joints().map(|joint| joint.limit.velocity).collect(),
             max_acceleration: joints().map(|joint| joint.limit.acceleration).collect(),
+            max_jerk: joints().map(|joint| joint.limit.jerk).collect(),
             checker,
         })
     }

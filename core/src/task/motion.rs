@@ -6,8 +6,9 @@ use super::setback::Blocked;
 use super::{MotionSettings, PhaseKind, Workcell};
 use crate::collision::Scratch;
 use crate::plan::{
-    ArmSpace, BirrtSettings, CartesianSettings, CartesianStop, MotionLimits, Path, PlanOutcome, ShortcutSettings,
-    StopReason, TimingSettings, Trajectory, follow_poses, plan_path, shorten, straight_line, time_path,
+    ArmSpace, BirrtSettings, CartesianSettings, CartesianStop, MotionLimits, NoPath, Path, PlanOutcome,
+    ShortcutSettings, StopReason, TimingSettings, Trajectory, follow_poses, plan_path, shorten, straight_line,
+    time_path,
 };
 use crate::watch::Watch;
 
@@ -100,7 +101,7 @@ impl Mover<'_> {
             let seed = self.seed.wrapping_add(attempt);
             let outcome = plan_path(space, start, goals, &BirrtSettings::default(), seed, &self.watch);
             let PlanOutcome::Found(found) = outcome else {
-                return best.ok_or_else(|| not_found(outcome, start, goals));
+                return best.ok_or_else(|| not_found(outcome, space, start, goals));
             };
             let path = shorten(space, &found.path, &ShortcutSettings::default(), seed, &self.watch);
             if best.as_ref().is_none_or(|(shortest, _)| path.length_rad() < shortest.length_rad()) {
@@ -126,6 +127,7 @@ impl Mover<'_> {
         let timing = TimingSettings {
             velocity_scale: self.settings.velocity_scale,
             acceleration_scale: self.settings.acceleration_scale,
+            jerk_scale: self.settings.jerk_scale,
             ..TimingSettings::default()
         };
         let mut trajectory =
@@ -188,7 +190,7 @@ pub(super) fn joined(first: &Path, second: &Path) -> Path {
 }
 
 /// Why a search found nothing, for a person.
-fn not_found(outcome: PlanOutcome, start: &[f64], goals: &[Vec<f64>]) -> Blocked {
+fn not_found(outcome: PlanOutcome, space: &ArmSpace, start: &[f64], goals: &[Vec<f64>]) -> Blocked {
     match outcome {
         PlanOutcome::StartInvalid { fault } => Blocked::because(format!("the start posture: {fault}")),
         PlanOutcome::StartInCollision { pair } => {
@@ -201,9 +203,19 @@ fn not_found(outcome: PlanOutcome, start: &[f64], goals: &[Vec<f64>]) -> Blocked
             let reason = format!("at all {count} goals something is hit, first {} and {}", first.a, first.b);
             Blocked::at(reason, &first, goals.first().map_or(&[], Vec::as_slice))
         }
-        PlanOutcome::NoPath { nodes, iterations, nearest_gap_rad } => Blocked::because(format!(
-            "no path among {nodes} nodes after {iterations} draws; the trees stayed {nearest_gap_rad:.2} rad apart"
-        )),
+        PlanOutcome::NoPath(NoPath { nodes, iterations, nearest_gap_rad, nearest, .. }) => {
+            let between = nearest.and_then(|[from, to]| {
+                let blocked = space.edge_hit(&mut Scratch::default(), &from, &to)?;
+                Some((blocked.hit, from))
+            });
+            let reason = format!(
+                "no path among {nodes} nodes after {iterations} draws; the trees stayed {nearest_gap_rad:.2} rad apart"
+            );
+            match between {
+                Some((hit, q)) => Blocked::at(format!("{reason}, where {hit}"), &hit, &q),
+                None => Blocked::because(reason),
+            }
+        }
         PlanOutcome::Found(_) | PlanOutcome::Stopped => Blocked::because("stopped"),
     }
 }
