@@ -8,6 +8,10 @@
 mod birrt;
 mod cartesian;
 mod edge;
+mod following;
+mod hand_edge;
+mod layers;
+mod queue;
 mod retime;
 mod shortcut;
 mod smooth;
@@ -22,6 +26,7 @@ mod walk;
 pub use birrt::{BirrtSettings, Found, PlanOutcome, plan_path};
 pub use cartesian::{CartesianSettings, CartesianStop, NearIk, StopReason, follow_poses, straight_line};
 pub use edge::EdgeHit;
+pub use following::{FollowReason, FollowSettings, FollowStop, Followed, HandWay, follow_hand};
 pub use shortcut::{ShortcutSettings, shorten};
 pub use space::{ArmSpace, ConfigurationFault, Path};
 pub use timing::{MotionLimits, TimingError, TimingSettings, time_path};
