@@ -136,7 +136,6 @@ struct Gap<'a> {
     scale: &'a Lane,
 }
 
-#[expect(clippy::needless_range_loop, reason = "k is the configuration in every array of a lane's arithmetic")]
 impl Lanes {
     /// Poses of the frames.
     #[inline(always)]
