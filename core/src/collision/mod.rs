@@ -11,6 +11,7 @@
 
 mod build;
 mod checker;
+mod clearance;
 mod closed_form;
 mod exhaustive;
 mod frames;
