@@ -256,7 +256,7 @@ fn add_path(frame: &mut Frame, plan: &Plan, input: &Content<'_>, palette: &Palet
             PhaseKind::Reach => palette.reach,
             PhaseKind::Retreat => palette.retreat,
             PhaseKind::Close | PhaseKind::Open => continue,
-            PhaseKind::Lift | PhaseKind::Transport | PhaseKind::Place => palette.transport,
+            _ => palette.transport,
         };
         color[3] *= input.layers.opacity(Layer::Path);
         let samples = 48;

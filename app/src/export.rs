@@ -3,7 +3,6 @@
 use endcomfort_core::grasp::{ExportFormat, Grasp, GraspExport, StraightWays};
 use endcomfort_core::job::{DroppedCloud, GraspsOutput};
 use endcomfort_core::scene::Scene;
-use endcomfort_core::task::MotionSettings;
 
 use crate::assets;
 
@@ -22,8 +21,8 @@ pub fn export_grasps(
     let arm_name = scene.arm.name();
     let arm = robot.arm(arm_name).ok_or_else(|| format!("{} has no {arm_name} arm", scene.robot))?;
     // What a dropped file shows has no other name than the file's.
-    let object = cloud.map_or_else(|| scene.objects[scene.task.object()].object.as_str(), |cloud| &cloud.name);
-    let motion = MotionSettings::default();
+    let object = cloud.map_or_else(|| scene.objects[scene.task.object].object.as_str(), |cloud| &cloud.name);
+    let motion = &scene.motion;
     let export = GraspExport {
         grasps: ranked,
         robot: &robot,

@@ -9,7 +9,7 @@ use crate::grasp::{Grasp, Quality};
 use crate::scene::Scene;
 use crate::segment::{Plane, PointFate};
 use crate::superquadric::Superquadric;
-use crate::task::Plan;
+use crate::task::{Plan, Try};
 
 /// Runs the pipeline for a scene; stages whose inputs did not change are answered from the last run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -194,10 +194,25 @@ pub struct RankOutput {
 }
 
 /// Why a stage cannot be done, for a person.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Refusal {
     /// One sentence: what happened and what to do.
     pub message: String,
-    /// Details, one per line: what was tried and why each failed.
+    /// Details, one per line.
     pub details: Vec<String>,
+    /// What was tried, and why each failed; these can be shown in the scene.
+    pub tries: Vec<Try>,
+}
+
+impl Refusal {
+    /// One sentence.
+    pub fn new(message: impl Into<String>) -> Self {
+        Self { message: message.into(), ..Self::default() }
+    }
+
+    /// With details, one per line.
+    pub fn with_details(mut self, details: Vec<String>) -> Self {
+        self.details = details;
+        self
+    }
 }

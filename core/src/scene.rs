@@ -7,9 +7,10 @@ use crate::fit::FitSettings;
 use crate::grasp::{GraspSettings, RankSettings};
 use crate::robot::{HandDescription, HandError};
 use crate::segment::SegmentSettings;
+use crate::task::MotionSettings;
 
 /// Version of the format that this program writes.
-pub const SCENE_VERSION: u32 = 1;
+pub const SCENE_VERSION: u32 = 2;
 
 /// Everything that a plan is computed from, except the robot's files.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -52,6 +53,9 @@ pub struct Scene {
     /// How grasps are ranked.
     #[serde(default)]
     pub rank: RankSettings,
+    /// How the robot moves.
+    #[serde(default)]
+    pub motion: MotionSettings,
     /// Whether a joint between the robot's base and its arms (Crichton's torso) moves with the arm.
     #[serde(default)]
     pub torso: bool,
@@ -111,30 +115,88 @@ pub struct Obstacle {
     pub X_WB: Isometry3<f64>,
 }
 
-/// What the robot shall do.
+/// What the robot shall do with an object.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Task {
+    /// Index into `objects`.
+    pub object: usize,
+    /// Where it goes, one step after the other; without steps it is grasped and lifted.
+    #[serde(default)]
+    pub steps: Vec<Step>,
+}
+
+/// One place that the object goes to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Step {
+    /// What happens there.
+    #[serde(default)]
+    pub action: Action,
+    /// Goal pose of the object's frame O in the world: a motion of its pose, applied to wherever it was found.
+    pub X_WO_goal: Isometry3<f64>,
+    /// How far the object may end up from that pose.
+    #[serde(default, skip_serializing_if = "Freedom::is_none")]
+    pub freedom: Freedom,
+    /// On the way there its upright axis stays within this of the vertical, rad: it may be full.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub keep_upright_rad: Option<f64>,
+}
+
+/// What happens to the object at the end of a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
-pub enum Task {
-    /// Grasp the object and lift it.
-    Pick {
-        /// Index into `objects`.
-        object: usize,
-    },
-    /// Move the object: a motion of its pose, expressed in the world, applied to wherever it was found.
-    PickAndPlace {
-        /// Index into `objects`.
-        object: usize,
-        /// Goal pose of the object's frame O in the world.
-        X_WO_goal: Isometry3<f64>,
+pub enum Action {
+    /// It is put down and let go.
+    #[default]
+    Put,
+    /// It is pushed there without being lifted, and let go.
+    Slide,
+    /// It is held there for a while, tilted if the pose is, and stays in the hand: pouring.
+    Pour {
+        /// How long, seconds.
+        hold_s: f64,
     },
 }
 
+/// Soft goals: directions in which a goal pose may vary (thesis 8.2).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Freedom {
+    /// Turn about the vertical to either side, rad; π leaves it free.
+    pub yaw_rad: f64,
+    /// Shift along the world's x and y to either side, metres.
+    pub area_m: [f64; 2],
+    /// Half angle of the cone of directions in which the object's upright axis may point, rad.
+    pub cone_rad: f64,
+}
+
+impl Freedom {
+    /// Whether only the pose itself will do.
+    pub fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 impl Task {
-    /// Index of the object that is grasped.
-    pub fn object(&self) -> usize {
-        match self {
-            Self::Pick { object } | Self::PickAndPlace { object, .. } => *object,
-        }
+    /// Grasp it and lift it.
+    pub fn pick(object: usize) -> Self {
+        Self { object, steps: Vec::new() }
+    }
+
+    /// Put it there.
+    pub fn place(object: usize, X_WO_goal: Isometry3<f64>) -> Self {
+        Self { object, steps: vec![Step::put(X_WO_goal)] }
+    }
+
+    /// The pose of the last step.
+    pub fn X_WO_goal(&self) -> Option<&Isometry3<f64>> {
+        self.steps.last().map(|step| &step.X_WO_goal)
+    }
+}
+
+impl Step {
+    /// Put it there and let go.
+    pub fn put(X_WO_goal: Isometry3<f64>) -> Self {
+        Self { action: Action::Put, X_WO_goal, freedom: Freedom::default(), keep_upright_rad: None }
     }
 }
 
@@ -170,6 +232,10 @@ pub const MAX_DEPTHS: f64 = 10.0;
 pub const MAX_NOISE_TRIALS: f64 = 1000.0;
 /// Most arm angles of an IK set.
 pub const MAX_ARM_ANGLES: f64 = 360.0;
+/// Most steps of a task.
+pub const MAX_STEPS: usize = 8;
+/// Longest time that something is held, seconds.
+const MAX_HOLD_S: f64 = 60.0;
 /// Largest weight in a score.
 pub const MAX_WEIGHT: f64 = 100.0;
 /// Nothing stands farther than this from the robot, metres.
@@ -232,11 +298,14 @@ impl Scene {
             let fits = obstacle.size_m.iter().all(|s| *s > 0.0 && *s < MAX_COORDINATE_M);
             check(fits, &format!("obstacles[{index}].size_m"), obstacle.size_m, "between 0 and 10".into())?;
         }
-        let object = self.task.object();
+        let object = self.task.object;
         check(object < self.objects.len(), "task.object", object, format!("below {}", self.objects.len()))?;
-        if let Task::PickAndPlace { X_WO_goal, .. } = &mut self.task {
-            checked_pose("task.X_WO_goal", X_WO_goal)?;
+        let steps = self.task.steps.len();
+        check(steps <= MAX_STEPS, "task.steps", steps, format!("at most {MAX_STEPS}"))?;
+        for (index, step) in self.task.steps.iter_mut().enumerate() {
+            step.check(&format!("task.steps[{index}]"))?;
         }
+        self.motion.check()?;
         check(
             self.fit.voxel_m.is_finite() && self.fit.voxel_m >= 0.0,
             "fit.voxel_m",
@@ -252,7 +321,6 @@ impl Scene {
 
     fn check_grasping(&self) -> Result<(), SceneError> {
         let (grasp, rank) = (&self.grasp, &self.rank);
-        let range = |low: f64, high: f64| format!("from {low} to {high}");
         for (place, value, low, high) in [
             ("grasp.density", f64::from(grasp.density), 1.0, MAX_DENSITY),
             ("grasp.rolls", f64::from(grasp.rolls), 1.0, MAX_ROLLS),
@@ -272,14 +340,13 @@ impl Scene {
             ("rank.weights.success", rank.weights.success, 0.0, MAX_WEIGHT),
             ("rank.weights.clearance", rank.weights.clearance, 0.0, MAX_WEIGHT),
         ] {
-            check((low..=high).contains(&value), place, value, range(low, high))?;
+            check_range(place, value, low, high)?;
         }
         if let Some(cone) = &grasp.filter.approach {
             let length = cone.axis_W.norm();
             check(length.is_finite() && length > 1e-9, "grasp.filter.approach.axis_W", length, "a direction".into())?;
             let place = "grasp.filter.approach.half_angle_rad";
-            let pi = std::f64::consts::PI;
-            check((0.0..=pi).contains(&cone.half_angle_rad), place, cone.half_angle_rad, range(0.0, pi))?;
+            check_range(place, cone.half_angle_rad, 0.0, std::f64::consts::PI)?;
         }
         if let Some(region) = &grasp.filter.region {
             let is_finite = region.center_W.iter().chain(&region.half_m).all(|x| x.abs() < MAX_COORDINATE_M);
@@ -287,6 +354,32 @@ impl Scene {
         }
         Ok(())
     }
+}
+
+impl Step {
+    fn check(&mut self, place: &str) -> Result<(), SceneError> {
+        checked_pose(&format!("{place}.X_WO_goal"), &mut self.X_WO_goal)?;
+        // Half a turn as people type it.
+        let pi = 3.1416;
+        let [x_m, y_m] = self.freedom.area_m;
+        let hold_s = if let Action::Pour { hold_s } = self.action { hold_s } else { 0.0 };
+        for (name, value, high) in [
+            ("freedom.yaw_rad", self.freedom.yaw_rad, pi),
+            ("freedom.area_m[0]", x_m, 1.0),
+            ("freedom.area_m[1]", y_m, 1.0),
+            ("freedom.cone_rad", self.freedom.cone_rad, pi),
+            ("keep_upright_rad", self.keep_upright_rad.unwrap_or(0.0), pi),
+            ("action.hold_s", hold_s, MAX_HOLD_S),
+        ] {
+            check_range(&format!("{place}.{name}"), value, 0.0, high)?;
+        }
+        Ok(())
+    }
+}
+
+/// A number that has to lie between two others.
+pub(crate) fn check_range(place: &str, value: f64, low: f64, high: f64) -> Result<(), SceneError> {
+    check((low..=high).contains(&value), place, value, format!("from {low} to {high}"))
 }
 
 fn check(holds: bool, place: &str, found: impl std::fmt::Debug, wanted: String) -> Result<(), SceneError> {

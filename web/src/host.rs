@@ -145,12 +145,11 @@ impl Desk {
     fn fail(&mut self, cause: &str) {
         self.state = WorkerState::Broken;
         if let Some(revision) = self.running.take() {
-            let refusal = Refusal {
-                message: "The computation stopped because of a fault in the program. The scene is unchanged; change \
-                          a setting or choose another demo to try again."
-                    .to_owned(),
-                details: vec![cause.to_owned()],
-            };
+            let refusal = Refusal::new(
+                "The computation stopped because of a fault in the program. The scene is unchanged; change a setting \
+                 or choose another demo to try again.",
+            )
+            .with_details(vec![cause.to_owned()]);
             self.updates.push(Update::Refused { revision, stage: self.stage.unwrap_or(Stage::Scene), refusal });
             self.updates.push(Update::Finished { revision });
         }

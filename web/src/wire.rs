@@ -73,6 +73,7 @@ mod tests {
             fit: Default::default(),
             grasp: Default::default(),
             rank: Default::default(),
+            motion: Default::default(),
             torso: false,
             hand: None,
         }
@@ -80,7 +81,7 @@ mod tests {
 
     #[test]
     fn requests_of_both_tasks_arrive_as_they_were_sent() {
-        for task in [Task::Pick { object: 0 }, Task::PickAndPlace { object: 0, X_WO_goal: pose(0.7) }] {
+        for task in [Task::pick(0), Task::place(0, pose(0.7))] {
             let sent = Request {
                 revision: 7,
                 scene: scene(task),
@@ -135,7 +136,7 @@ mod tests {
         });
         let Output::Segment(got) = from_bytes(&to_bytes(&sent).unwrap()).unwrap() else { panic!() };
         assert_eq!(got.fates, fates);
-        let refusal = Refusal { message: "no table".into(), details: vec!["plane 1: 12 points".into()] };
+        let refusal = Refusal::new("no table").with_details(vec!["plane 1: 12 points".into()]);
         let sent = Update::Refused { revision: 9, stage: Stage::Segment, refusal: refusal.clone() };
         let Update::Refused { refusal: got, .. } = from_bytes(&to_bytes(&sent).unwrap()).unwrap() else { panic!() };
         assert_eq!(got, refusal);

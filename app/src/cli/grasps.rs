@@ -56,7 +56,7 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
         request.scene.set_hand(input::hand(file)?);
     }
     if let Some(goal) = goal(args)? {
-        request.scene.task = Task::PickAndPlace { object: request.scene.task.object(), X_WO_goal: goal };
+        request.scene.task = Task::place(request.scene.task.object, goal);
     }
     request.scene = args.options.apply(request.scene)?;
     let format = args.out.as_ref().map(|path| {
@@ -126,7 +126,7 @@ fn request_for_object(args: &Args, common: &Common) -> Result<Request, Failure> 
         arm,
         objects: vec![PlacedObject { object: args.object.clone(), X_WO }],
         obstacles: Vec::new(),
-        task: Task::Pick { object: 0 },
+        task: Task::pick(0),
         ..request.scene
     };
     Ok(request)

@@ -48,6 +48,14 @@ impl Document {
             return Stage::Plan;
         }
         let scene = Arc::make_mut(&mut theirs.scene);
+        if scene.motion.straight_ways() == self.scene.motion.straight_ways() {
+            scene.motion = self.scene.motion.clone();
+            if theirs == *self {
+                return Stage::Plan;
+            }
+        }
+        let scene = Arc::make_mut(&mut theirs.scene);
+        scene.motion = self.scene.motion.clone();
         scene.rank = self.scene.rank.clone();
         if theirs == *self {
             return Stage::Rank;

@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use endcomfort_core::grasp::{Grasp, Quantity, Situated};
 use endcomfort_core::job::{Refusal, Stage};
-use endcomfort_core::scene::Task;
 
 use super::document::History;
 use super::{
@@ -273,7 +272,7 @@ impl ViewerState {
 
     /// Whether the task has a goal.
     pub fn has_goal(&self) -> bool {
-        matches!(self.document.scene.task, Task::PickAndPlace { .. })
+        !self.document.scene.task.steps.is_empty()
     }
 
     /// What ranks grasps; `None` for a random order.
@@ -293,7 +292,7 @@ impl ViewerState {
 
     /// How many joints the planned arm has: as many as its grasp's IK solutions, seven if those are not there.
     pub(super) fn arm_joint_count(&self) -> usize {
-        let grasp = self.outputs.plan.as_ref().map(|plan| &plan.grasp);
+        let grasp = self.outputs.plan.as_ref().map(|plan| plan.grasp());
         let solution = grasp.and_then(|grasp| grasp.start.as_ref()).and_then(|start| start.solutions.first());
         solution.map_or(7, Vec::len)
     }

@@ -34,7 +34,7 @@ impl ViewerState {
             "ranked_by": self.document.scene.rank.by,
             "colored_by": self.shown_quantity(),
             "selected_grasp": self.selection.grasp,
-            "planned_grasp": outputs.plan.as_ref().map(|plan| plan.grasp.id),
+            "planned_grasp": outputs.plan.as_ref().map(|plan| plan.grasp().id),
             "duration_s": self.duration_s(),
             "time_s": self.playback.time_s,
             "playing": self.playback.playing,

@@ -67,7 +67,7 @@ impl ViewerState {
             }
             Stage::Plan => {
                 self.playback.time_s = 0.0;
-                self.selection.grasp = self.outputs.plan.as_ref().map(|plan| plan.grasp.id);
+                self.selection.grasp = self.outputs.plan.as_ref().map(|plan| plan.grasp().id);
                 self.selection.ik = None;
                 // Behind the gallery something shall move.
                 self.playback.playing = self.overlay == Overlay::Gallery;

@@ -26,7 +26,7 @@ pub(super) fn with_shape(fits: &FitOutput, segments: &SegmentOutput, shape: &Set
     let (Some(Ok(automatic)), Some(points)) = (fits.fits.get(shape.cluster), segments.clusters.get(shape.cluster))
     else {
         let message = format!("cluster {} has no fit whose shape could be set: go back to the fit", shape.cluster + 1);
-        return Err(Refusal { message, details: Vec::new() });
+        return Err(Refusal::new(message));
     };
     let mut fit = Fit { superquadric: shape.superquadric, ..automatic.clone() };
     let bodies: Vec<Superquadric> = fit.bodies().copied().collect();

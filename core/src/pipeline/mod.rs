@@ -5,9 +5,11 @@
 
 mod goal;
 mod lab;
+mod legs;
 mod memory;
 mod perceive;
 mod rank;
+mod regrasp;
 mod run;
 mod situate;
 

@@ -18,10 +18,6 @@ const OBSTACLE_MARGIN_M: f64 = 0.012;
 /// Where the centre of a dropped cloud's largest cluster is put on the robot's table, metres from the torso axis.
 const DROPPED_AT_M: [f64; 2] = [0.52, 0.24];
 
-fn refused(message: impl Into<String>) -> Refusal {
-    Refusal { message: message.into(), details: Vec::new() }
-}
-
 /// The cloud that the scene's camera sees, in W.
 ///
 /// # Errors
@@ -32,8 +28,8 @@ pub fn synthetic_cloud(scene: &Scene, library: &Library) -> Result<PointCloud, R
         .iter()
         .map(|placed| library.object(&placed.object).map(|object| object.as_ref().clone()))
         .collect::<Result<Vec<_>, _>>()
-        .map_err(|error| refused(error.to_string()))?;
-    let view = view_scene(scene, &objects, &RgbdCamera::default()).map_err(|error| refused(error.to_string()))?;
+        .map_err(|error| Refusal::new(error.to_string()))?;
+    let view = view_scene(scene, &objects, &RgbdCamera::default()).map_err(|error| Refusal::new(error.to_string()))?;
     Ok(view.cloud)
 }
 
@@ -47,9 +43,10 @@ pub(super) fn scene_output(
     let Some(file) = dropped else {
         return Ok(SceneOutput { cloud: synthetic_cloud(scene, library)?, notes: Vec::new() });
     };
-    let loaded = read_cloud(&file.name, &file.bytes).map_err(|error| refused(format!("{}: {error}", file.name)))?;
+    let loaded =
+        read_cloud(&file.name, &file.bytes).map_err(|error| Refusal::new(format!("{}: {error}", file.name)))?;
     let found = segment(&loaded.value, &scene.segment, scene.seed, watch)
-        .map_err(|refusal| refused(format!("{}: {refusal}", file.name)))?;
+        .map_err(|refusal| Refusal::new(format!("{}: {refusal}", file.name)))?;
     let spot = TableSpot { height_m: scene.table.height_m, spot_m: DROPPED_AT_M, cluster: 0 };
     let X_WF = table_to_robot(&found, &loaded.value, &spot);
     let mut notes = loaded.notes;
@@ -66,19 +63,20 @@ pub(super) fn segment_output(
     watch: Watch<'_>,
 ) -> Result<SegmentOutput, Refusal> {
     let cloud = &seen.cloud;
-    let mut found = segment(cloud, &scene.segment, scene.seed, watch).map_err(|error| refused(error.to_string()))?;
+    let mut found =
+        segment(cloud, &scene.segment, scene.seed, watch).map_err(|error| Refusal::new(error.to_string()))?;
     if !is_dropped {
         found.remove_known(cloud, &scene.obstacles, OBSTACLE_MARGIN_M, scene.segment.cluster_min_points);
     }
     if found.clusters.is_empty() {
-        return Err(refused("nothing stands on the table but the boxes that the robot knows"));
+        return Err(Refusal::new("nothing stands on the table but the boxes that the robot knows"));
     }
     let clusters: Vec<Vec<Point3<f64>>> =
         found.clusters.iter().map(|indices| indices.iter().map(|&i| cloud.points[i as usize]).collect()).collect();
     let target = match cluster {
         Some(index) if index < clusters.len() => index,
         Some(index) => {
-            return Err(refused(format!("there is no cluster {index}: the cloud has {}", clusters.len())));
+            return Err(Refusal::new(format!("there is no cluster {index}: the cloud has {}", clusters.len())));
         }
         None if is_dropped => 0,
         None => nearest_cluster(scene, &clusters),
@@ -88,7 +86,7 @@ pub(super) fn segment_output(
 
 /// The cluster whose centroid is closest to the task's object.
 fn nearest_cluster(scene: &Scene, clusters: &[Vec<Point3<f64>>]) -> usize {
-    let wanted = scene.objects[scene.task.object()].X_WO.translation.vector;
+    let wanted = scene.objects[scene.task.object].X_WO.translation.vector;
     let distance = |points: &[Point3<f64>]| {
         let sum: Vector3<f64> = points.iter().map(|p| p.coords).sum();
         (sum / points.len().max(1) as f64 - wanted).norm()
@@ -119,10 +117,10 @@ pub(super) fn fit_output(
     let fits = parallel::map(&segments.clusters, |points| fit_cluster(points, &scene.fit, seen, segments, watch));
     if watch.should_stop() {
         // A neighbour's fit may have been stopped while the target's was done: nothing of it is worth remembering.
-        return Err(refused("stopped"));
+        return Err(Refusal::new("stopped"));
     }
     match &fits[segments.target] {
-        Err(reason) => Err(refused(format!("the object to grasp cannot be fitted: {reason}"))),
+        Err(reason) => Err(Refusal::new(format!("the object to grasp cannot be fitted: {reason}"))),
         Ok(_) => {
             let distances = |(fit, points): (&Result<Fit, String>, &Vec<Point3<f64>>)| {
                 fit.as_ref().map_or_else(|_| Vec::new(), |fit| signed_distances(fit, points))

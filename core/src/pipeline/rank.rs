@@ -68,18 +68,18 @@ pub(crate) fn workcell(
         world,
         target_O,
         X_WO_start: target.superquadric.X_FS,
-        X_WO_goal: super::goal::goal_pose(scene, target, is_dropped),
+        stops: super::goal::stops(scene, target, is_dropped),
         robot,
     })
 }
 
 /// There is nothing to grasp.
 pub(super) fn no_fit() -> Refusal {
-    Refusal { message: "the object to grasp has no fit".into(), details: Vec::new() }
+    Refusal::new("the object to grasp has no fit")
 }
 
 fn refusal(error: &dyn std::error::Error) -> Refusal {
-    Refusal { message: error.to_string(), details: Vec::new() }
+    Refusal::new(error.to_string())
 }
 
 /// The bodies of a fit in its object frame O: the axes of its main superquadric.
@@ -148,16 +148,16 @@ pub(super) fn touched(
         ContactSurface::Cloud => {
             let points_O: Vec<Point3<f64>> = points.iter().map(|p| X_OW * p).collect();
             let surfels = Surfels::new(&points_O, &Point3::origin());
-            Touched::Points(surfels.ok_or_else(|| Refusal {
-                message: format!("{} points are too few to close fingers on", points.len()),
-                details: vec!["Let the fingers close on the superquadric.".into()],
+            Touched::Points(surfels.ok_or_else(|| {
+                Refusal::new(format!("{} points are too few to close fingers on", points.len()))
+                    .with_details(vec!["Let the fingers close on the superquadric.".into()])
             })?)
         }
         ContactSurface::Mesh => {
             let described = scene.object_at(&target.superquadric.X_FS).filter(|_| !is_dropped);
-            let placed = described.ok_or_else(|| Refusal {
-                message: "no mesh is known of the object".into(),
-                details: vec!["Let the fingers close on the superquadric or on the cloud.".into()],
+            let placed = described.ok_or_else(|| {
+                Refusal::new("no mesh is known of the object")
+                    .with_details(vec!["Let the fingers close on the superquadric or on the cloud.".into()])
             })?;
             let object = library.object(&placed.object).map_err(|error| refusal(&error))?;
             let mesh_O = object.mesh().transformed(&(X_OW * placed.X_WO));
@@ -204,7 +204,7 @@ pub(crate) fn ranked(
         Quality::put_all(&qualities, &mut judged);
     }
     if watch.should_stop() {
-        return Err(Refusal { message: "stopped".into(), details: Vec::new() });
+        return Err(Refusal::new("stopped"));
     }
     rank(&mut judged, &scene.rank, scene.seed);
     Ok(judged)

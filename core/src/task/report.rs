@@ -9,15 +9,17 @@ use crate::robot::Robot;
 pub fn plan_json_lines(plan: &Plan, robot: &Robot) -> Vec<Value> {
     let joint_names: Vec<&str> =
         plan.dofs.iter().map(|&dof| robot.joints[robot.dof_joints[dof]].name.as_str()).collect();
-    let matrix = plan.grasp.X_OH.to_homogeneous();
-    let object_from_hand: Vec<f64> = (0..16).map(|k| matrix[(k / 4, k % 4)]).collect();
     plan.phases
         .iter()
         .map(|phase| {
+            let grasp = &plan.legs[phase.leg].grasp;
+            let matrix = grasp.X_OH.to_homogeneous();
+            let object_from_hand: Vec<f64> = (0..16).map(|k| matrix[(k / 4, k % 4)]).collect();
             json!({
                 "phase": phase.kind.name(),
                 "arm": plan.arm,
-                "grasp": plan.grasp.id,
+                "leg": phase.leg,
+                "grasp": grasp.id,
                 "object_from_hand": object_from_hand,
                 "start_s": phase.start_s,
                 "duration_s": phase.trajectory.duration_s(),

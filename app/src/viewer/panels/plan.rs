@@ -13,9 +13,9 @@ use crate::viewer::{Command, ViewerState, format, playback};
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     let tokens = Tokens::of(ui);
     let Some(plan) = &state.outputs.plan else { return nothing_yet(ui, state, Stage::Plan) };
-    let failed = plan.failed_grasps.len();
+    let failed = plan.tries.len();
     let number = |id: u32| state.outputs.rank_of(id).map_or(format!("candidate {id}"), |rank| format!("grasp {rank}"));
-    let text = format!("Planned with {}", number(plan.grasp.id));
+    let text = format!("Planned with {}", number(plan.grasp().id));
     let sentence = match (state.document.grasp.is_some(), failed) {
         (true, _) => "The grasp that you asked for.".to_owned(),
         (false, 0) => "The best-ranked grasp worked at the first try.".to_owned(),
@@ -35,8 +35,9 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     }
     if failed > 0 {
         section(ui, "Failed before");
-        for (id, reason) in &plan.failed_grasps {
-            let _row = key_value_colored(ui, &format::title_of(&number(*id)), reason, tokens.coral);
+        for tried in &plan.tries {
+            let name = tried.grasp.map_or_else(|| "Before".to_owned(), |id| format::title_of(&number(id)));
+            let _row = key_value_colored(ui, &name, &tried.reason, tokens.coral);
         }
     }
     if state.document.grasp.is_some() {
@@ -53,7 +54,7 @@ pub(super) fn color(kind: PhaseKind, tokens: &Tokens) -> Color32 {
         PhaseKind::Reach => tokens.blue,
         PhaseKind::Close | PhaseKind::Open => tokens.teal,
         PhaseKind::Lift | PhaseKind::Place => tokens.amber.lerp_to_gamma(tokens.coral, 0.35),
-        PhaseKind::Transport => tokens.amber,
+        PhaseKind::Transport | PhaseKind::Pour | PhaseKind::Slide => tokens.amber,
         PhaseKind::Retreat => tokens.slate,
     }
 }

@@ -2,7 +2,7 @@
 
 use egui::Ui;
 use endcomfort_core::job::Stage;
-use endcomfort_core::scene::{ArmChoice, Task};
+use endcomfort_core::scene::ArmChoice;
 use nalgebra::{Point3, Vector3};
 
 use super::Out;
@@ -85,13 +85,11 @@ pub(super) fn at(p: &Point3<f64>) -> String {
 fn task(state: &ViewerState) -> String {
     let scene = &state.document.scene;
     let object =
-        scene.objects.get(scene.task.object()).map_or("object".to_owned(), |placed| placed.object.replace('_', " "));
+        scene.objects.get(scene.task.object).map_or("object".to_owned(), |placed| placed.object.replace('_', " "));
     let object = if state.document.cloud.is_some() { "what was found".to_owned() } else { format!("the {object}") };
-    match &scene.task {
-        Task::Pick { .. } => format!("lift {object}"),
-        Task::PickAndPlace { X_WO_goal, .. } => {
-            format!("move {object} to {}", at(&X_WO_goal.translation.vector.into()))
-        }
+    match scene.task.X_WO_goal() {
+        None => format!("lift {object}"),
+        Some(X_WO_goal) => format!("move {object} to {}", at(&X_WO_goal.translation.vector.into())),
     }
 }
 

@@ -193,8 +193,6 @@ fn result(state: &ViewerState, stage: Stage) -> Option<String> {
                 None => format::count(rank.accepted),
             })
         }
-        Stage::Plan => {
-            outputs.plan.as_ref().map(|plan| format!("{} try", format::ordinal(plan.failed_grasps.len() + 1)))
-        }
+        Stage::Plan => outputs.plan.as_ref().map(|plan| format!("{} try", format::ordinal(plan.tries.len() + 1))),
     }
 }

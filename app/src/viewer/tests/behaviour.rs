@@ -23,7 +23,7 @@ fn third(state: &ViewerState) -> u32 {
 }
 
 fn refusal(message: &str) -> Refusal {
-    Refusal { message: message.to_owned(), details: vec!["first detail".to_owned()] }
+    Refusal::new(message).with_details(vec!["first detail".to_owned()])
 }
 
 #[test]

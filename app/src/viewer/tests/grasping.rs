@@ -171,7 +171,7 @@ fn a_filter_that_leaves_nothing_leaves_the_person_where_it_can_be_changed() {
     let filter = GraspFilter { approach, ..GraspFilter::default() };
     let settings = GraspSettings { filter, ..GraspSettings::default() };
     let _run = state.apply(Command::Grasping(GraspCommand::Settings(settings)));
-    let refusal = Refusal { message: "No grasp is left.".to_owned(), details: Vec::new() };
+    let refusal = Refusal::new("No grasp is left.");
     let _said = state.receive(Update::Refused { revision: state.revision, stage: Stage::Plan, refusal });
     assert_eq!(state.selection.step, Step::Stage(Stage::Grasps));
     assert!(state.can_undo());

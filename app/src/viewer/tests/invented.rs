@@ -16,7 +16,7 @@ use endcomfort_core::robot::ik::Arc as ArmArc;
 use endcomfort_core::scene::{ArmChoice, Obstacle, PlacedObject, SCENE_VERSION, Scene, TableTop, Task};
 use endcomfort_core::segment::{Plane, PointFate, SegmentSettings};
 use endcomfort_core::superquadric::Superquadric;
-use endcomfort_core::task::{Phase, PhaseKind, Plan};
+use endcomfort_core::task::{Certificate, Leg, MotionSettings, Phase, PhaseKind, Plan, Try};
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 
 use crate::viewer::{Demo, Document, RobotChoice, ViewerState};
@@ -45,12 +45,13 @@ pub(super) fn scene(name: &str, title: &str, summary: &str, robot: &str) -> Arc<
             Vector3::new(0.1, 0.0, 1.5).into(),
             UnitQuaternion::from_euler_angles(-2.2, 0.0, -1.57),
         ),
-        task: Task::PickAndPlace { object: 0, X_WO_goal: Isometry3::translation(0.62, 0.24, 0.83) },
+        task: Task::place(0, Isometry3::translation(0.62, 0.24, 0.83)),
         seed: 7,
         segment: SegmentSettings::default(),
         fit: FitSettings::default(),
         grasp: GraspSettings::default(),
         rank: RankSettings::default(),
+        motion: MotionSettings::default(),
         torso: false,
         hand: None,
     })
@@ -247,6 +248,8 @@ pub(super) fn objectives(revision: u64) -> Vec<Update> {
 
 fn candidates() -> Vec<Grasp> {
     let situated = |m_g: f64, ik_count: usize| Situated {
+        X_WO: Isometry3::identity(),
+        poses: 1,
         m_g,
         ik_count,
         with_ways: Vec::new(),
@@ -317,6 +320,7 @@ fn candidates() -> Vec<Grasp> {
                 clearance_m: (i < 80).then(|| 0.012 + 0.001 * rank.sin()),
                 score: (i < 37).then(score),
                 start,
+                via: Vec::new(),
                 goal,
                 status,
             }
@@ -342,6 +346,7 @@ fn plan(grasp: Grasp) -> Plan {
             let at = |t: &f64| 0.06 + 0.03 * (0.9 * (start_s + t)).sin();
             let phase = Phase {
                 kind,
+                leg: 0,
                 start_s,
                 carries: matches!(kind, PhaseKind::Lift | PhaseKind::Transport | PhaseKind::Place),
                 manipulability: times_s.iter().map(at).collect(),
@@ -353,15 +358,22 @@ fn plan(grasp: Grasp) -> Plan {
         })
         .collect();
     Plan {
-        X_WO_start: Isometry3::identity(),
-        X_WO_end: Isometry3::identity(),
         tcp_link: 0,
         arm: "right".to_owned(),
-        grasp,
+        legs: vec![Leg { grasp, X_WO_start: Isometry3::identity(), X_WO_end: Isometry3::identity() }],
         phases,
         q_start: vec![0.0; 16],
         dofs: (0..9).collect(),
-        failed_grasps: vec![(131, "transport: the carried glass meets the cracker box".to_owned())],
+        tries: vec![Try {
+            grasp: Some(131),
+            phase: Some(PhaseKind::Transport),
+            reason: "the carried glass meets the cracker box".to_owned(),
+            culprits: vec!["object".to_owned(), "cracker box".to_owned()],
+            q: Vec::new(),
+            carries: true,
+        }],
+        routes: Vec::new(),
+        certificate: Certificate { states: 1640, density: 4 },
     }
 }
 

@@ -343,7 +343,7 @@ fn a_plan_that_the_new_shape_does_not_allow_leaves_the_person_in_the_lab() {
     let mut bench = Bench::new("mustard");
     let shape = bench.stretched(1.2);
     let _run = bench.page.state.apply(Command::Lab(LabCommand::SetShape(shape)));
-    let refusal = endcomfort_core::job::Refusal { message: "no path".to_owned(), details: Vec::new() };
+    let refusal = endcomfort_core::job::Refusal::new("no path");
     let revision = bench.page.state.revision;
     let _announced = bench.page.state.receive(Update::Refused { revision, stage: Stage::Plan, refusal });
     assert_eq!(bench.page.state.selection.step, Step::Stage(Stage::Fit));

@@ -77,15 +77,14 @@ fn refused() -> ViewerState {
     for (elapsed_ms, output) in invented::outputs().into_iter().take(5) {
         invented::done(&mut state, elapsed_ms, output);
     }
-    let refusal = Refusal {
-        message: "None of the 37 grasps can be carried to the goal: the glass meets the shelf board on every path. \
-                  Move the board or choose a lower goal."
-            .to_owned(),
-        details: vec![
-            "grasp 1: transport, the carried glass meets the shelf board".to_owned(),
-            "grasp 2: place, the right wrist meets the cracker box".to_owned(),
-        ],
-    };
+    let refusal = Refusal::new(
+        "None of the 37 grasps can be carried to the goal: the glass meets the shelf board on every path. Move the \
+         board or choose a lower goal.",
+    )
+    .with_details(vec![
+        "grasp 1: transport, the carried glass meets the shelf board".to_owned(),
+        "grasp 2: place, the right wrist meets the cracker box".to_owned(),
+    ]);
     let _announced = state.receive(Update::Refused { revision: state.revision, stage: Stage::Plan, refusal });
     state
 }

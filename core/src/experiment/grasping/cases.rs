@@ -92,7 +92,7 @@ pub(super) fn draw(
         Condition::WithRotation => rng.uniform(-std::f64::consts::PI, std::f64::consts::PI),
     };
     let mut scene = scene(robot, arm, object, object.standing(start, yaw), seed ^ stream);
-    scene.task = Task::PickAndPlace { object: 0, X_WO_goal: object.standing(goal, yaw_goal) };
+    scene.task = Task::place(0, object.standing(goal, yaw_goal));
     scene.obstacles = (0..clutter).filter_map(|number| draw_box(rng, number, &place, object, [start, goal])).collect();
     Case { scene, object: index, start: [start[0], start[1], yaw], goal: [goal[0], goal[1], yaw_goal] }
 }
@@ -142,7 +142,7 @@ mod tests {
                 }
                 assert!(distance_m(start, goal) >= 0.10);
                 assert_eq!(case.start[2] == case.goal[2], condition == Condition::WithoutRotation);
-                let Task::PickAndPlace { X_WO_goal, .. } = scene.task else { panic!("no goal") };
+                let X_WO_goal = *scene.task.X_WO_goal().expect("a goal");
                 let motion = X_WO_goal * scene.objects[0].X_WO.inverse();
                 let up = motion.rotation * Vector3::z();
                 assert!((up - Vector3::z()).norm() < 1e-12, "only about the table's normal");

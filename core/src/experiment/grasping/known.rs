@@ -103,11 +103,12 @@ pub(super) fn scene(robot: &str, arm: ArmChoice, object: &KnownObject, X_WO: Iso
         obstacles: Vec::new(),
         // Nothing is looked at: the shape is known.
         X_WC: Isometry3::identity(),
-        task: Task::Pick { object: 0 },
+        task: Task::pick(0),
         seed,
         segment: Default::default(),
         fit: Default::default(),
         grasp: Default::default(),
+        motion: Default::default(),
         rank: Default::default(),
         torso: false,
         hand: None,

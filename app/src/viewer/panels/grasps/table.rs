@@ -127,7 +127,7 @@ fn row(ui: &mut Ui, state: &ViewerState, grasp: &Grasp, best: f64, out: &mut Out
     }
     let accepted = grasp.is_accepted();
     let ink = if accepted { tokens.text } else { tokens.secondary };
-    let planned = state.outputs.plan.as_ref().is_some_and(|plan| plan.grasp.id == grasp.id);
+    let planned = state.outputs.plan.as_ref().is_some_and(|plan| plan.grasp().id == grasp.id);
     let painter = ui.painter();
     let put = |x: f32, text: String, id: FontId| {
         let _rect = painter.text(pos2(x, rect.center().y), Align2::RIGHT_CENTER, text, id, ink);
