@@ -59,9 +59,8 @@ pub(crate) fn build(
             let out_of_reach = reach.is_some_and(|(origin_W, radius)| {
                 squared_distance_to_box(&origin_W, &thing.lower, &thing.upper) > radius * radius
             });
-            if !out_of_reach {
-                cluster.against.push((index, depth_m));
-            }
+            let list = if out_of_reach { &mut cluster.out_of_reach } else { &mut cluster.against };
+            list.push((index, depth_m));
         }
     }
     let mut pairs = Vec::new();
@@ -182,7 +181,7 @@ fn cluster(owner: Owner, frame: usize, solids: Vec<Solid>) -> Cluster {
     let upper = solids.iter().fold(Vector3::repeat(f64::NEG_INFINITY), |m, s| m.sup(&s.center));
     let center = 0.5 * (lower + upper);
     let bound = solids.iter().map(|s| (s.center - center).norm() + s.bound).fold(0.0, f64::max);
-    Cluster { owner, frame, center, bound, solids, against: Vec::new() }
+    Cluster { owner, frame, center, bound, solids, against: Vec::new(), out_of_reach: Vec::new() }
 }
 
 /// Ball in the world that the cluster never leaves; `None` is never returned for a cluster of a moving frame.

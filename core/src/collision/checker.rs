@@ -77,6 +77,8 @@ pub(crate) struct Cluster {
     pub(crate) solids: Vec<Solid>,
     /// Fixed things it may meet: index and allowed depth (0 unless intended contact).
     pub(crate) against: Vec<(usize, f64)>,
+    /// The same for fixed things that it cannot reach.
+    pub(crate) out_of_reach: Vec<(usize, f64)>,
 }
 
 /// A body that stands still, in the world.

@@ -12,6 +12,7 @@
 mod batch;
 mod build;
 mod checker;
+mod clearance;
 mod closed_form;
 mod cover;
 mod exhaustive;

@@ -171,7 +171,7 @@ impl Checker {
     }
 
     /// Poses of the frames and centres of the clusters.
-    fn place(&self, scratch: &mut Scratch, q: &[f64]) {
+    pub(super) fn place(&self, scratch: &mut Scratch, q: &[f64]) {
         scratch.X_WF.clear();
         scratch.X_WF.push(Rigid::identity());
         for frame in self.frames.iter().skip(1) {

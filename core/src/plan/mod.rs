@@ -7,6 +7,7 @@
 
 mod birrt;
 mod cartesian;
+mod clear;
 mod edge;
 mod filter;
 mod following;
@@ -28,6 +29,7 @@ mod walk;
 
 pub use birrt::{BirrtSettings, Found, NoPath, PlanOutcome, plan_path};
 pub use cartesian::{CartesianSettings, CartesianStop, NearIk, StopReason, follow_poses, straight_line};
+pub use clear::{ClearPath, ClearSettings, plan_clear_path};
 pub use edge::EdgeHit;
 pub use following::{FollowReason, FollowSettings, FollowStop, Followed, HandWay, follow_hand};
 pub use limits::{MotionLimits, MotionQuantity, Violation};

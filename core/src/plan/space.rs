@@ -63,6 +63,22 @@ impl ArmSpace {
         })
     }
 
+    /// The space of configurations and motions that keep everything farther than `clearance_m` from everything that the
+    /// arm moves.
+    ///
+    /// What is nearer than that at one of the configurations `ends` (start, goal) must only stay as far away as there,
+    /// to 0.12 mm; intended contacts keep their own rule, and so does what the arm's joints do not move. Searches,
+    /// shortcuts and timing in this space are proven with that distance.
+    pub fn keeping_clear(&self, clearance_m: f64, ends: &[&[f64]]) -> Self {
+        Self { checker: self.checker.keeping_clear(clearance_m, 0.0, ends), ..self.clone() }
+    }
+
+    /// The smallest distance of anything that the arm moves to anything else, metres, up to `most_m`; intended contacts
+    /// are left out.
+    pub fn room_m(&self, scratch: &mut Scratch, q: &[f64], most_m: f64) -> f64 {
+        self.checker.room_m(scratch, q, most_m)
+    }
+
     /// Number of joints.
     pub fn dimension(&self) -> usize {
         self.lower.len()
