@@ -6,9 +6,9 @@ use super::setback::Blocked;
 use super::{MotionSettings, PhaseKind, Workcell};
 use crate::collision::Scratch;
 use crate::plan::{
-    ArmSpace, BirrtSettings, CartesianSettings, CartesianStop, MotionLimits, NoPath, Path, PlanOutcome,
-    ShortcutSettings, StopReason, TimingSettings, Trajectory, follow_poses, plan_path, shorten, straight_line,
-    time_path,
+    ArmSpace, BirrtSettings, CartesianSettings, CartesianStop, ClearPath, ClearSettings, MotionLimits, NoPath, Path,
+    PlanOutcome, ShortcutSettings, StopReason, TimingSettings, Trajectory, follow_poses, plan_clear_path, plan_path,
+    shorten, straight_line, time_path,
 };
 use crate::watch::Watch;
 
@@ -16,7 +16,16 @@ use crate::watch::Watch;
 pub(crate) const STRAIGHT_STEP_M: f64 = 0.01;
 pub(crate) const STRAIGHT_STEP_RAD: f64 = 0.1;
 /// Searches of which the shortest path is taken: an RRT's first path may be a long way round.
-const SEARCHES: u64 = 6;
+const SEARCHES: u64 = 4;
+
+/// A searched way.
+pub(super) struct Searched {
+    pub(super) path: Path,
+    /// Index of the goal that it ends at.
+    pub(super) goal: usize,
+    /// The space in which it was searched: with the clearance that it keeps.
+    pub(super) space: ArmSpace,
+}
 
 /// One phase of a plan before its start time is known.
 #[derive(Clone, Debug)]
@@ -94,24 +103,24 @@ impl Mover<'_> {
         follow_poses(space, q, &poses, &near_ik, &CartesianSettings::default()).map_err(|stop| stopped(&stop, q))
     }
 
-    /// A searched and shortened way to any of the goals, and which one it is.
-    pub(super) fn search(&self, space: &ArmSpace, start: &[f64], goals: &[Vec<f64>]) -> Result<(Path, usize), Blocked> {
-        let mut best: Option<(Path, usize)> = None;
-        for attempt in 0..SEARCHES {
+    /// A searched and shortened way to any of the goals that keeps the wanted clearance where there is room.
+    pub(super) fn search(&self, space: &ArmSpace, start: &[f64], goals: &[Vec<f64>]) -> Result<Searched, Blocked> {
+        let settings = ClearSettings { clearance_m: self.settings.clearance_m, ..ClearSettings::default() };
+        let clear = plan_clear_path(space, start, goals, &settings, self.seed, &self.watch);
+        let ClearPath { found, space: clear, .. } = clear.map_err(|outcome| not_found(outcome, space, start, goals))?;
+        let is_straight = found.nodes == 0;
+        let mut best = Searched { path: found.path, goal: found.goal, space: clear };
+        // A straight way is not made shorter by another search.
+        for attempt in if is_straight { 1..1 } else { 1..SEARCHES } {
             let seed = self.seed.wrapping_add(attempt);
-            let outcome = plan_path(space, start, goals, &BirrtSettings::default(), seed, &self.watch);
-            let PlanOutcome::Found(found) = outcome else {
-                return best.ok_or_else(|| not_found(outcome, space, start, goals));
-            };
-            let path = shorten(space, &found.path, &ShortcutSettings::default(), seed, &self.watch);
-            if best.as_ref().is_none_or(|(shortest, _)| path.length_rad() < shortest.length_rad()) {
-                best = Some((path, found.goal));
-            }
-            if found.nodes == 0 {
-                break; // straight there: no search makes it shorter
+            let outcome = plan_path(&best.space, start, goals, &BirrtSettings::default(), seed, &self.watch);
+            let PlanOutcome::Found(found) = outcome else { break };
+            let path = shorten(&best.space, &found.path, &ShortcutSettings::default(), seed, &self.watch);
+            if path.length_rad() < best.path.length_rad() {
+                best = Searched { path, goal: found.goal, ..best };
             }
         }
-        best.ok_or_else(|| Blocked::because("stopped"))
+        Ok(best)
     }
 
     /// The phase that moves the arm along a path with the fingers at rest.

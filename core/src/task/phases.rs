@@ -90,18 +90,6 @@ impl LegWith<'_> {
         self.mover.along(kind, space, path, fingers, carries).map_err(|blocked| blocked.in_phase(kind, carries))
     }
 
-    /// A searched way to one of the places, as one phase; which place it is.
-    fn search(
-        &mut self,
-        kind: PhaseKind,
-        space: &ArmSpace,
-        from: &[f64],
-        goals: &[Vec<f64>],
-        carries: bool,
-    ) -> Result<(Path, usize), Setback> {
-        self.mover.search(space, from, goals).map_err(|blocked| blocked.in_phase(kind, carries))
-    }
-
     /// Reach to one of the configurations that have ways, and close; which one it is.
     fn reach_and_close(
         &mut self,
@@ -112,8 +100,10 @@ impl LegWith<'_> {
         let cell = self.mover.cell;
         let goals: Vec<Vec<f64>> = ways.iter().filter_map(|ways| ways.back.points.last().cloned()).collect();
         let arm_start: Vec<f64> = cell.arm().dofs.iter().map(|&dof| cell.q_start[dof]).collect();
-        let (reach, chosen) = self.search(PhaseKind::Reach, approaching, &arm_start, &goals, false)?;
-        let reach = joined(&reach, &reversed(&ways[chosen].back));
+        let found = self.mover.search(approaching, &arm_start, &goals);
+        let found = found.map_err(|blocked| blocked.in_phase(PhaseKind::Reach, false))?;
+        let chosen = found.goal;
+        let reach = joined(&found.path, &reversed(&ways[chosen].back));
         self.along(PhaseKind::Reach, approaching, &reach, false)?;
         let (open, closed) = (&cell.hand.open, &self.grasp.closed);
         self.drafts.push(self.mover.fingers(PhaseKind::Close, holding, &ways[chosen].held, open, closed));
@@ -167,9 +157,10 @@ impl LegWith<'_> {
     fn transport(&mut self, _stop: &Stop, from: &[f64], ways: &[Ways]) -> Result<usize, Setback> {
         let carrying = self.carrying(PhaseKind::Transport, &[])?;
         let goals: Vec<Vec<f64>> = ways.iter().map(|ways| ways.entry().to_vec()).collect();
-        let (path, chosen) = self.search(PhaseKind::Transport, &carrying, from, &goals, true)?;
-        self.along(PhaseKind::Transport, &carrying, &path, true)?;
-        Ok(chosen)
+        let found = self.mover.search(&carrying, from, &goals);
+        let found = found.map_err(|blocked| blocked.in_phase(PhaseKind::Transport, true))?;
+        self.along(PhaseKind::Transport, &found.space, &found.path, true)?;
+        Ok(found.goal)
     }
 
     /// Reach, close, push along the table, let go.
