@@ -15,13 +15,14 @@ use std::path::Path;
 
 use endcomfort_core::collision::{Checker, CollisionModel, Exhaustive, Scratch, World};
 use endcomfort_core::plan::{
-    ArmSpace, BirrtSettings, MotionLimits, PlanOutcome, ShortcutSettings, TimingSettings, plan_path, shorten,
+    ArmSpace, BirrtSettings, MotionLimits, PlanOutcome, ShortcutSettings, TimingSettings, Upright, plan_path, shorten,
     time_path, walk, walk_path,
 };
 use endcomfort_core::rng::Rng;
+use endcomfort_core::robot::ik::ArmIk;
 use endcomfort_core::robot::{Arm, CollisionBody, Geometry, Hand, Robot, read_urdf};
 use endcomfort_core::watch::Watch;
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use report::{Report, now_ms};
 use serde::Deserialize;
 
@@ -50,6 +51,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         let transport: Vec<_> = work.goals.windows(2).map(|pair| (&pair[0], &pair[1])).collect();
         for (kind, pairs) in [("reach", reach), ("transport", transport)] {
             blocked += bench_plans(&format!("{set}, {kind}"), &robot, &model, &world, &pairs, &mut report)?;
+        }
+        for (held, axis_H) in [("pointing down", -Vector3::z()), ("level", Vector3::x())] {
+            for degrees in [10.0, 20.0, 45.0_f64] {
+                let problem = format!("{set}, upright {degrees}°, {held}");
+                blocked += bench_upright(&problem, &robot, &model, &world, &axis_H, degrees.to_radians(), &mut report)?;
+            }
         }
     }
     report.print();
@@ -169,6 +176,82 @@ fn bench_plans(
         report.add(problem, what, "s", duration_s, "");
     }
     Ok(blocked)
+}
+
+/// Transports between seeded upright configurations with the hand in front of the arm: the hand points down or lies level.
+fn bench_upright(
+    problem: &str,
+    robot: &Robot,
+    model: &CollisionModel,
+    world: &World,
+    axis_H: &Vector3<f64>,
+    max_tilt_rad: f64,
+    report: &mut Report,
+) -> Result<u32, Box<dyn Error>> {
+    let upright = Upright::new(robot, 0, &[0.0; 7], axis_H, max_tilt_rad)?;
+    let checker = Checker::for_arm(model, world, None, &[], 0, &[0.0; 7])?;
+    let space = ArmSpace::new(robot, 0, checker)?.keeping_upright(upright);
+    let judge = Exhaustive::new(model, world, None, &[])?;
+    let ik = ArmIk::of(robot, &robot.arms[0])?;
+    let dofs: Vec<usize> = (0..7).collect();
+    let mut rng = Rng::new(6, 0);
+    let mut scratch = Scratch::default();
+    let axis_to_z = UnitQuaternion::rotation_between(axis_H, &Vector3::z())
+        .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI));
+    let mut ends: Vec<Vec<f64>> = Vec::new();
+    while ends.len() < 51 {
+        let place = Vector3::new(rng.uniform(0.35, 0.75), rng.uniform(-0.5, 0.5), rng.uniform(0.15, 0.8));
+        let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), rng.uniform(0.0, std::f64::consts::TAU));
+        let postures = ik.set(&Isometry3::from_parts(place.into(), turned * axis_to_z), &[0.0; 7], 16);
+        let free: Vec<&[f64]> = postures.iter().filter(|q| space.checker.is_free(&mut scratch, q)).collect();
+        if !free.is_empty() {
+            ends.push(free[rng.index(free.len())].to_vec());
+        }
+    }
+    let (mut plan_ms, mut short_ms, mut time_ms) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut found_rad, mut short_rad, mut most_rad, mut faulty) = (Vec::new(), Vec::new(), 0.0_f64, 0);
+    for (seed, pair) in ends.windows(2).enumerate() {
+        let seed = seed as u64;
+        let begin_ms = now_ms();
+        let outcome = plan_path(&space, &pair[0], &[pair[1].clone()], &BirrtSettings::default(), seed, &Watch::idle());
+        plan_ms.push(now_ms() - begin_ms);
+        let PlanOutcome::Found(found) = outcome else { continue };
+        let begin_ms = now_ms();
+        let short = shorten(&space, &found.path, &ShortcutSettings::default(), seed, &Watch::idle());
+        short_ms.push(now_ms() - begin_ms);
+        let begin_ms = now_ms();
+        let trajectory = time_path(&space, &short, &MotionLimits::of(&space), &TimingSettings::default())?;
+        time_ms.push(now_ms() - begin_ms);
+        found_rad.push(found.path.length_rad());
+        short_rad.push(short.length_rad());
+        for points in [found.path.points, short.points, trajectory.positions] {
+            for pair in points.windows(2) {
+                let steps = (pair[0].iter().zip(&pair[1]).map(|(a, b)| (a - b).abs()).sum::<f64>() / 0.005).ceil();
+                for k in 0..=steps as usize {
+                    let u = k as f64 / steps.max(1.0);
+                    let q: Vec<f64> = pair[0].iter().zip(&pair[1]).map(|(a, b)| a + (b - a) * u).collect();
+                    let axis_W = robot.link_poses(&q)[robot.arms[0].hand.tcp_link].rotation * axis_H;
+                    most_rad = most_rad.max(axis_W.angle(&Vector3::z()));
+                }
+            }
+            let path = endcomfort_core::plan::Path { points };
+            faulty += u32::from(walk_path(&judge, &dofs, &[0.0; 7], &path, 0.01).is_some());
+        }
+    }
+    faulty += u32::from(most_rad > max_tilt_rad + Upright::TOLERANCE_RAD);
+    let (found, tried, tilt) = (found_rad.len(), plan_ms.len(), most_rad.to_degrees());
+    report.add(
+        problem,
+        "upright search",
+        "ms",
+        plan_ms,
+        format!("{found} of {tried} found, tilted by {tilt:.1}° at most"),
+    );
+    report.add(problem, "upright shortcut", "ms", short_ms, "");
+    report.add(problem, "upright timing", "ms", time_ms, "");
+    report.add(problem, "upright path as found", "rad", found_rad, "");
+    report.add(problem, "upright path after shortcut", "rad", short_rad, "");
+    Ok(faulty)
 }
 
 /// The same limits with as much jerk as the samples can show.

@@ -1,8 +1,9 @@
 //! Bidirectional RRT-Connect with a whole IK set as goals (IK-BiRRT; thesis 4.3; Kuffner and LaValle 2000; Berenson
 //! et al. 2009).
 
-use super::space::{ArmSpace, ConfigurationFault, Path, distance_rad, lerp};
+use super::space::{ArmSpace, ConfigurationFault, Path, distance_rad};
 use super::tree::Tree;
+use super::upright::Tilt;
 use crate::collision::{Hit, Scratch};
 use crate::rng::Rng;
 use crate::watch::Watch;
@@ -46,6 +47,10 @@ pub enum PlanOutcome {
     StartInvalid { fault: ConfigurationFault },
     /// The start touches something.
     StartInCollision { pair: Hit },
+    /// At the start what must stay upright is tilted too far.
+    StartTilted { tilt: Tilt },
+    /// So it is at every goal within limits; `least` is the smallest of their tilts.
+    GoalsTilted { least: Tilt, count: usize },
     /// No goal is a configuration of the arm; `first` is the first one's fault, none if there are no goals at all.
     GoalsInvalid { first: Option<ConfigurationFault>, count: usize },
     /// Every goal within limits touches something; `first` is what the nearest goal touches.
@@ -116,6 +121,9 @@ impl Goals<'_> {
 }
 
 /// Searches a path of the arm from `start` to any of `goals`; equal seeds give equal paths.
+///
+/// Where something must stay upright ([`ArmSpace::keeping_upright`]), random configurations are upright hand poses and
+/// every step is made upright again by the smallest rotation of the hand (CBiRRT: Berenson et al. 2009).
 pub fn plan_path(
     space: &ArmSpace,
     start: &[f64],
@@ -126,16 +134,28 @@ pub fn plan_path(
 ) -> PlanOutcome {
     let mut scratch = Scratch::default();
     let scratch = &mut scratch;
+    let tilt = |q: &[f64]| space.upright.as_ref().and_then(|upright| upright.fault(q));
     if let Some(fault) = space.fault(start) {
         return PlanOutcome::StartInvalid { fault };
     }
     if let Some(pair) = space.first_hit(scratch, start) {
         return PlanOutcome::StartInCollision { pair };
     }
+    if let Some(tilt) = tilt(start) {
+        return PlanOutcome::StartTilted { tilt };
+    }
     let mut inside: Vec<usize> = (0..goals.len()).filter(|&index| space.fault(&goals[index]).is_none()).collect();
     if inside.is_empty() {
         let first = goals.first().and_then(|goal| space.fault(goal));
         return PlanOutcome::GoalsInvalid { first, count: goals.len() };
+    }
+    let tilts: Vec<Option<Tilt>> =
+        goals.iter().map(|goal| space.fault(goal).map_or_else(|| tilt(goal), |_| None)).collect();
+    let least = inside.iter().filter_map(|&index| tilts[index]).min_by(|a, b| a.found_rad.total_cmp(&b.found_rad));
+    let count = inside.len();
+    inside.retain(|&index| tilts[index].is_none());
+    if let (true, Some(least)) = (inside.is_empty(), least) {
+        return PlanOutcome::GoalsTilted { least, count };
     }
     inside.sort_by(|&a, &b| distance_rad(start, &goals[a]).total_cmp(&distance_rad(start, &goals[b])));
     let mut goals = Goals { all: goals, waiting: inside.into(), first_hit: None, in_collision: 0 };
@@ -177,7 +197,7 @@ fn search(
     seed: u64,
     watch: &Watch<'_>,
 ) -> PlanOutcome {
-    let step = if settings.step_rad > 1e-3 { settings.step_rad } else { 1e-3 };
+    let step = space.step_rad(if settings.step_rad > 1e-3 { settings.step_rad } else { 1e-3 });
     let mut rng = Rng::new(seed, 0x0062_6972_7274);
     let begin_ms = watch.now_ms();
     let mut nearest = None;
@@ -195,15 +215,18 @@ fn search(
                 goal_tree.add_root(&goals.all[goal], goal);
             }
         }
-        for (value, (lower, upper)) in q_random.iter_mut().zip(space.lower.iter().zip(&space.upper)) {
-            *value = rng.uniform(*lower, *upper);
+        if iterations == 1 && space.upright.is_some() {
+            // Upright ways bend; the way to the nearest goal may be free although the straight motion tilts.
+            q_random.copy_from_slice(goal_tree.node(0));
+        } else {
+            space.draw(&mut rng, &mut q_random);
         }
         // The smaller tree explores, the larger one connects: both sides of a narrow door get their share.
         let from_start = start_tree.len() <= goal_tree.len();
         let (explorer, connector) =
             if from_start { (&mut start_tree, &mut goal_tree) } else { (&mut goal_tree, &mut start_tree) };
-        let (near, gap) = explorer.nearest(&q_random);
-        let q_new = lerp(explorer.node(near), &q_random, if gap > step { step / gap } else { 1.0 });
+        let (near, _) = explorer.nearest(&q_random);
+        let Some(q_new) = space.step_towards(explorer.node(near), &q_random, step) else { continue };
         if !space.edge_is_free(scratch, explorer.node(near), &q_new) {
             continue;
         }
@@ -216,7 +239,7 @@ fn search(
                 nearest = Some(if from_start { [q_new.clone(), reached] } else { [reached, q_new.clone()] });
             }
             let reaches = gap <= step;
-            let q_next = if reaches { q_new.clone() } else { lerp(connector.node(tip), &q_new, step / gap) };
+            let Some(q_next) = space.step_towards(connector.node(tip), &q_new, step) else { break None };
             if !space.edge_is_free(scratch, connector.node(tip), &q_next) {
                 break None;
             }
@@ -249,7 +272,7 @@ mod tests {
     use super::*;
     use crate::collision::Exhaustive;
     use crate::plan::testing::{Bench, shelf_configurations};
-    use crate::plan::walk_path;
+    use crate::plan::{MotionLimits, Path, ShortcutSettings, TimingSettings, Upright, shorten, time_path, walk_path};
 
     #[test]
     fn the_arm_goes_from_shelf_cell_to_shelf_cell_and_equal_seeds_give_equal_paths() {
@@ -349,5 +372,64 @@ mod tests {
             })
             .collect();
         assert!(reached.len() > 1, "always the same goal: {reached:?}");
+    }
+
+    #[test]
+    fn what_is_carried_upright_stays_so_all_the_way_and_tilted_ends_are_named() {
+        let bench = Bench::shelf();
+        let judge = Exhaustive::new(&bench.model, &bench.world, None, &[]).unwrap();
+        let level = nalgebra::Vector3::x();
+        let mut rng = Rng::new(4, 0);
+        for degrees in [10.0_f64, 45.0] {
+            let max_tilt_rad = degrees.to_radians();
+            let upright = Upright::new(bench.model.robot(), 0, &bench.rest(), &level, max_tilt_rad).unwrap();
+            let space = bench.space().keeping_upright(upright.clone());
+            let mut ends: Vec<Vec<f64>> = Vec::new();
+            while ends.len() < 7 {
+                let Some(q) = upright.drawn(&mut rng) else { continue };
+                let front = bench.model.robot().link_poses(&q)[7].translation.vector.x > 0.3;
+                if front && space.first_hit(&mut Scratch::default(), &q).is_none() {
+                    ends.push(q);
+                }
+            }
+            for (seed, pair) in ends.windows(2).enumerate() {
+                let plan = || {
+                    let goals = [pair[1].clone()];
+                    plan_path(&space, &pair[0], &goals, &BirrtSettings::default(), seed as u64, &Watch::idle())
+                };
+                let PlanOutcome::Found(found) = plan() else { panic!("{degrees}°, {seed}: {:?}", plan()) };
+                assert_eq!(PlanOutcome::Found(found.clone()), plan(), "equal seeds give equal paths");
+                let short = shorten(&space, &found.path, &ShortcutSettings::default(), 1, &Watch::idle());
+                assert!(short.length_rad() <= found.path.length_rad());
+                let limits = MotionLimits::of(&space);
+                let timed = time_path(&space, &short, &limits, &TimingSettings::default()).unwrap();
+                let tilt = |q: &[f64]| {
+                    let axis_W = bench.model.robot().link_poses(q)[7].rotation * level;
+                    axis_W.angle(&nalgebra::Vector3::z())
+                };
+                for path in [&found.path, &short, &Path { points: timed.positions }] {
+                    assert_eq!(walk_path(&judge, &bench.dofs(), &bench.rest(), path, 0.005), None);
+                    for pair in path.points.windows(2) {
+                        let steps = (distance_rad(&pair[0], &pair[1]) / 0.005).ceil().max(1.0) as usize;
+                        for k in 0..=steps {
+                            let found = tilt(&crate::plan::space::lerp(&pair[0], &pair[1], k as f64 / steps as f64));
+                            assert!(found <= max_tilt_rad + Upright::TOLERANCE_RAD, "tilted by {found}");
+                        }
+                    }
+                }
+            }
+            // Straight up, where the axis lies level.
+            let fallen = vec![0.0; 7];
+            assert!(space.first_hit(&mut Scratch::default(), &fallen).is_none());
+            let plan = |start: &[f64], goals: &[Vec<f64>]| {
+                plan_path(&space, start, goals, &BirrtSettings::default(), 1, &Watch::idle())
+            };
+            let outcome = plan(&fallen, &ends);
+            let PlanOutcome::StartTilted { tilt } = outcome else { panic!("{outcome:?}") };
+            assert!(tilt.found_rad > tilt.max_rad && tilt.max_rad == max_tilt_rad);
+            let outcome = plan(&ends[0], &[fallen.clone(), fallen.clone()]);
+            assert!(matches!(outcome, PlanOutcome::GoalsTilted { count: 2, .. }), "{outcome:?}");
+            assert!(matches!(plan(&ends[0], &[fallen, ends[1].clone()]), PlanOutcome::Found(Found { goal: 1, .. })));
+        }
     }
 }

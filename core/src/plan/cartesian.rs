@@ -2,8 +2,9 @@
 
 use nalgebra::{Isometry3, Translation3};
 
+use super::edge::EdgeCause;
 use super::space::{ArmSpace, ConfigurationFault, Path};
-use crate::collision::{Hit, Scratch};
+use crate::collision::Scratch;
 
 /// How to follow poses.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,7 +40,7 @@ pub enum StopReason {
     /// The nearest solution turns a joint too far: another branch.
     Jump { joint: String, step_rad: f64 },
     /// The motion to it is blocked.
-    Blocked(Hit),
+    Blocked(EdgeCause),
 }
 
 /// Poses from one to the other, no farther apart than the steps, without the first: positions on a line, rotations by
@@ -95,7 +96,7 @@ pub fn follow_poses(
             return Err(stop(index, StopReason::Jump { joint: joint.clone(), step_rad }));
         }
         if let Some(blocked) = space.edge_hit(&mut scratch, &near, &q) {
-            return Err(stop(index, StopReason::Blocked(blocked.hit)));
+            return Err(stop(index, StopReason::Blocked(blocked.cause)));
         }
         points.push(q.clone());
         near = q;
@@ -182,7 +183,7 @@ mod tests {
         let floored = Bench::new(&[("floor", [tip.x, tip.y, tip.z - 0.1], [0.3, 0.3, 0.01])]);
         let down = lift(robot, -0.1);
         let stop = follow_poses(&floored.space(), &START, &down, &ik, &settings).unwrap_err();
-        assert!(matches!(&stop.reason, StopReason::Blocked(hit) if hit.b == "floor"), "{stop:?}");
+        assert!(matches!(&stop.reason, StopReason::Blocked(EdgeCause::Contact(hit)) if hit.b == "floor"), "{stop:?}");
         assert!((3..=6).contains(&stop.pose), "{stop:?}");
         let stop = follow_poses(&space, &[9.0; 7], &poses, &ik, &settings).unwrap_err();
         assert!(matches!(stop.reason, StopReason::Invalid(_)));

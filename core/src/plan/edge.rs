@@ -1,15 +1,34 @@
 //! Straight joint motions, proven free of collisions rather than sampled.
 
 use super::space::ArmSpace;
+use super::upright::Tilt;
 use crate::collision::{Hit, LANES, Pair, Scratch, Sifted, State};
 
 /// Where a straight motion is blocked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EdgeHit {
-    /// Fraction of the motion at which the pair was found, 0 at its start; not necessarily the first such place.
+    /// Fraction of the motion at which the cause was found, 0 at its start; not necessarily the first such place.
     pub fraction: f64,
-    /// Who touches.
-    pub hit: Hit,
+    /// Why it is blocked.
+    pub cause: EdgeCause,
+}
+
+/// Why a motion is blocked.
+#[derive(Clone, Debug, PartialEq)]
+pub enum EdgeCause {
+    /// Two things touch.
+    Contact(Hit),
+    /// What must stay upright is tilted.
+    Tilted(Tilt),
+}
+
+impl std::fmt::Display for EdgeCause {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Contact(hit) => hit.fmt(f),
+            Self::Tilted(tilt) => tilt.fmt(f),
+        }
+    }
 }
 
 /// Above this displacement a proof is not tried by the exact checker, metres: no scene is that empty.
@@ -38,16 +57,24 @@ impl ArmSpace {
     pub fn edge_hit(&self, scratch: &mut Scratch, from: &[f64], to: &[f64]) -> Option<EdgeHit> {
         for (end, fraction) in [(from, 0.0), (to, 1.0)] {
             if !self.checker.is_configuration(end) {
-                return self.checker.first_hit(scratch, end).map(|hit| EdgeHit { fraction, hit });
+                let hit = self.checker.first_hit(scratch, end);
+                return hit.map(|hit| EdgeHit { fraction, cause: EdgeCause::Contact(hit) });
             }
         }
+        if let Some((fraction, tilt)) = self.tilted(from, to) {
+            return Some(EdgeHit { fraction, cause: EdgeCause::Tilted(tilt) });
+        }
         let (fraction, pair) = self.blocked(scratch, from, to)?;
-        Some(EdgeHit { fraction, hit: self.checker.name(pair) })
+        Some(EdgeHit { fraction, cause: EdgeCause::Contact(self.checker.name(pair)) })
     }
 
     /// Whether the straight motion is free; the ends must be configurations.
     pub(crate) fn edge_is_free(&self, scratch: &mut Scratch, from: &[f64], to: &[f64]) -> bool {
-        self.blocked(scratch, from, to).is_none()
+        self.tilted(from, to).is_none() && self.blocked(scratch, from, to).is_none()
+    }
+
+    fn tilted(&self, from: &[f64], to: &[f64]) -> Option<(f64, Tilt)> {
+        self.upright.as_ref().and_then(|upright| upright.tilted(from, to))
     }
 
     fn blocked(&self, scratch: &mut Scratch, from: &[f64], to: &[f64]) -> Option<(f64, Pair)> {
@@ -171,7 +198,7 @@ mod tests {
                 let mut scratch = Scratch::default();
                 assert!(space.first_hit(&mut scratch, &from).is_none() && space.first_hit(&mut scratch, &to).is_none());
                 let blocked = space.edge_hit(&mut scratch, &from, &to).expect("the plate stands in the way");
-                assert_eq!((blocked.hit.a.as_str(), blocked.hit.b.as_str()), ("l7", "plate"));
+                assert_eq!(blocked.cause.to_string(), "l7 meets plate");
             }
         }
     }

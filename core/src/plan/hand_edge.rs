@@ -2,6 +2,7 @@
 
 use nalgebra::{Isometry3, Translation3};
 
+use super::edge::{EdgeCause, EdgeHit};
 use super::space::{ArmSpace, lerp};
 use crate::collision::{Hit, Scratch};
 use crate::robot::ik::ArmIk;
@@ -62,7 +63,9 @@ impl HandEdges<'_> {
         let q_middle = lerp(from, to, 0.5);
         if gap(&self.ik.chain().tip(&q_middle), &X_BH_middle).within(self.sag) {
             return match self.space.edge_hit(scratch, from, to) {
-                Some(blocked) => Err(EdgeFault::Blocked(blocked.hit)),
+                Some(EdgeHit { cause: EdgeCause::Contact(hit), .. }) => Err(EdgeFault::Blocked(hit)),
+                // The given poses are not upright.
+                Some(EdgeHit { cause: EdgeCause::Tilted(_), .. }) => Err(EdgeFault::Strays),
                 None => Ok(()),
             };
         }

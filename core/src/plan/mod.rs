@@ -19,22 +19,25 @@ mod retime;
 mod shortcut;
 mod smooth;
 mod space;
+mod steer;
 mod swept;
 #[cfg(test)]
 pub(crate) mod testing;
 mod timing;
 mod trajectory;
 mod tree;
+mod upright;
 mod walk;
 
 pub use birrt::{BirrtSettings, Found, NoPath, PlanOutcome, plan_path};
 pub use cartesian::{CartesianSettings, CartesianStop, NearIk, StopReason, follow_poses, straight_line};
 pub use clear::{ClearPath, ClearSettings, plan_clear_path};
-pub use edge::EdgeHit;
+pub use edge::{EdgeCause, EdgeHit};
 pub use following::{FollowReason, FollowSettings, FollowStop, Followed, HandWay, follow_hand};
 pub use limits::{MotionLimits, MotionQuantity, Violation};
 pub use shortcut::{ShortcutSettings, shorten};
 pub use space::{ArmSpace, ConfigurationFault, Path};
 pub use timing::{TimingError, TimingSettings, time_path};
 pub use trajectory::Trajectory;
+pub use upright::{Tilt, Upright, UprightError};
 pub use walk::{WalkHit, walk, walk_path};

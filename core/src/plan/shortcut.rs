@@ -62,16 +62,28 @@ pub fn shorten(space: &ArmSpace, path: &Path, settings: &ShortcutSettings, seed:
             continue;
         }
         let stretch = || [from_ref(&q_begin), &points[first..last], from_ref(&q_end)].concat();
+        let mut cut = vec![q_begin.clone(), q_end.clone()];
         if !cuts.allow(&mut scratch, &q_begin, &q_end, stretch) {
-            continue;
+            // What must stay upright may not allow the straight motion, but steps that bend.
+            let Some(between) = cuts.clear.as_ref().unwrap_or(space).steered(&mut scratch, &q_begin, &q_end) else {
+                continue;
+            };
+            cut.splice(1..1, between);
+            if length_rad(&cut) > end - begin - 1e-6 {
+                continue;
+            }
         }
         let mut shorter = points[..first].to_vec();
-        shorter.extend([q_begin, q_end]);
+        shorter.append(&mut cut);
         shorter.extend_from_slice(&points[last..]);
         points = shorter;
     }
     let shortened = Path { points: prune(&cuts, &mut scratch, &points) };
     if shortened.length_rad() <= path.length_rad() { shortened } else { path.clone() }
+}
+
+fn length_rad(points: &[Vec<f64>]) -> f64 {
+    points.windows(2).map(|pair| distance_rad(&pair[0], &pair[1])).sum()
 }
 
 /// Which shortcuts are allowed.

@@ -1,5 +1,8 @@
 //! The joint space of one arm: limits, distances and what may stand in the way.
 
+use std::sync::Arc;
+
+use super::upright::Upright;
 use crate::collision::{Checker, CollisionError, Hit, Scratch};
 use crate::robot::Robot;
 
@@ -23,6 +26,8 @@ pub struct ArmSpace {
     pub max_jerk: Vec<f64>,
     /// Who touches whom; its columns are the arm's joints.
     pub checker: Checker,
+    /// What must stay upright, if anything; see [`ArmSpace::keeping_upright`].
+    pub upright: Option<Arc<Upright>>,
 }
 
 /// Why a list of numbers is not a configuration of the arm.
@@ -60,6 +65,7 @@ impl ArmSpace {
             max_acceleration: joints().map(|joint| joint.limit.acceleration).collect(),
             max_jerk: joints().map(|joint| joint.limit.jerk).collect(),
             checker,
+            upright: None,
         })
     }
 
@@ -71,6 +77,12 @@ impl ArmSpace {
     /// shortcuts and timing in this space are proven with that distance.
     pub fn keeping_clear(&self, clearance_m: f64, ends: &[&[f64]]) -> Self {
         Self { checker: self.checker.keeping_clear(clearance_m, 0.0, ends), ..self.clone() }
+    }
+
+    /// The space of configurations and motions that keep an axis of the hand upright: searches, shortcuts, rounded
+    /// corners and timing in this space are proven to.
+    pub fn keeping_upright(&self, upright: Upright) -> Self {
+        Self { upright: Some(Arc::new(upright)), ..self.clone() }
     }
 
     /// The smallest distance of anything that the arm moves to anything else, metres, up to `most_m`; intended contacts

@@ -41,7 +41,8 @@ impl ArmSpace {
                 }
             }
             self.checker.half_travel(&lower, &upper, &mut margins);
-            if margins.iter().copied().fold(0.0, f64::max) < COARSE_M {
+            let upright = self.upright.as_ref().is_none_or(|upright| upright.holds_between(&lower, &upper));
+            if upright && margins.iter().copied().fold(0.0, f64::max) < COARSE_M {
                 middle.iter_mut().zip(lower.iter().zip(&upper)).for_each(|(m, (low, high))| *m = 0.5 * (low + high));
                 if self.checker.state(scratch, &middle, Some((&margins, 1.0))) == State::Free {
                     continue;

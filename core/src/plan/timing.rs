@@ -46,8 +46,8 @@ pub enum TimingError {
     #[error("the path has no points")]
     Empty,
     /// A motion of the path is not free.
-    #[error("the path itself is blocked: {hit}")]
-    Blocked { hit: crate::collision::Hit },
+    #[error("the path itself is blocked: {cause}")]
+    Blocked { cause: super::EdgeCause },
     /// The finished motion exceeds a limit: a fault of the timing.
     #[error("the timed motion exceeds a limit: {violation}")]
     LimitExceeded { violation: Violation },
@@ -90,7 +90,7 @@ pub fn time_path(
             if !path_is_proven {
                 for pair in path.points.windows(2) {
                     if let Some(blocked) = space.edge_hit(scratch, &pair[0], &pair[1]) {
-                        return Err(TimingError::Blocked { hit: blocked.hit });
+                        return Err(TimingError::Blocked { cause: blocked.cause });
                     }
                 }
                 path_is_proven = true;

@@ -6,7 +6,7 @@ use super::setback::Blocked;
 use super::{MotionSettings, PhaseKind, Workcell};
 use crate::collision::Scratch;
 use crate::plan::{
-    ArmSpace, BirrtSettings, CartesianSettings, CartesianStop, ClearPath, ClearSettings, MotionLimits, NoPath, Path,
+    ArmSpace, BirrtSettings, CartesianSettings, CartesianStop, ClearPath, ClearSettings, EdgeCause, MotionLimits, NoPath, Path,
     PlanOutcome, ShortcutSettings, StopReason, TimingSettings, Trajectory, follow_poses, plan_clear_path, plan_path,
     shorten, straight_line, time_path,
 };
@@ -205,6 +205,10 @@ fn not_found(outcome: PlanOutcome, space: &ArmSpace, start: &[f64], goals: &[Vec
         PlanOutcome::StartInCollision { pair } => {
             Blocked::at(format!("in the start posture {} hits {}", pair.a, pair.b), &pair, start)
         }
+        PlanOutcome::StartTilted { tilt } => Blocked::because(format!("in the start posture the hand is {tilt}")),
+        PlanOutcome::GoalsTilted { least, count } => {
+            Blocked::because(format!("at all {count} goals the hand is tilted too far, at the best one {least}"))
+        }
         PlanOutcome::GoalsInvalid { count, .. } => {
             Blocked::because(format!("none of {count} goals is within the joint limits"))
         }
@@ -215,13 +219,14 @@ fn not_found(outcome: PlanOutcome, space: &ArmSpace, start: &[f64], goals: &[Vec
         PlanOutcome::NoPath(NoPath { nodes, iterations, nearest_gap_rad, nearest, .. }) => {
             let between = nearest.and_then(|[from, to]| {
                 let blocked = space.edge_hit(&mut Scratch::default(), &from, &to)?;
-                Some((blocked.hit, from))
+                Some((blocked.cause, from))
             });
             let reason = format!(
                 "no path among {nodes} nodes after {iterations} draws; the trees stayed {nearest_gap_rad:.2} rad apart"
             );
             match between {
-                Some((hit, q)) => Blocked::at(format!("{reason}, where {hit}"), &hit, &q),
+                Some((EdgeCause::Contact(hit), q)) => Blocked::at(format!("{reason}, where {hit}"), &hit, &q),
+                Some((EdgeCause::Tilted(tilt), _)) => Blocked::because(format!("{reason}, where the hand is {tilt}")),
                 None => Blocked::because(reason),
             }
         }
@@ -237,6 +242,7 @@ fn stopped(stop: &CartesianStop, q: &[f64]) -> Blocked {
         StopReason::Jump { joint, .. } => {
             Blocked::because(format!("{joint} would have to jump after {share} % of the way"))
         }
-        StopReason::Blocked(hit) => Blocked::at(format!("{} hits {}", hit.a, hit.b), hit, q),
+        StopReason::Blocked(EdgeCause::Contact(hit)) => Blocked::at(format!("{} hits {}", hit.a, hit.b), hit, q),
+        StopReason::Blocked(EdgeCause::Tilted(tilt)) => Blocked::because(format!("the hand is {tilt}")),
     }
 }
