@@ -31,7 +31,7 @@ impl ArmSpace {
     /// at in turn. Dividing ends where the travel is below the checker's margin (0.1 mm), because being free already means
     /// being farther apart than that: no wall is stepped over.
     ///
-    /// A sieve looks at sixteen intervals at once, with a travel of each body's ends of its own; the exact checker looks
+    /// A sieve looks at eight intervals at once, with a travel of each body's ends of its own; the exact checker looks
     /// at those that the sieve cannot tell.
     ///
     /// Both ends must be configurations of the arm; other lists count as blocked.
@@ -51,7 +51,7 @@ impl ArmSpace {
     }
 
     /// Whether all motions of a path are free; its points must be configurations. Made for many short motions: the
-    /// sieve looks at the middles of sixteen at once.
+    /// sieve looks at the middles of eight at once.
     pub(crate) fn path_is_free(&self, scratch: &mut Scratch, path: &Path) -> bool {
         let mut middles = std::mem::take(&mut scratch.q);
         let mut motions = 0..path.points.len().saturating_sub(1);
