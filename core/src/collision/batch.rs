@@ -22,7 +22,7 @@ impl Checker {
     /// The first configuration of a list that touches something, and what touches there; `None` where all are free.
     ///
     /// The same answer as [`Checker::first_hit`] for one after the other, several times as fast: most are passed by a
-    /// sieve that looks at sixteen at a time.
+    /// sieve that looks at eight at a time.
     pub fn first_hit_of_all<Q: AsRef<[f64]>>(
         &self,
         scratch: &mut Scratch,
@@ -51,10 +51,11 @@ impl Checker {
         sure
     }
 
-    /// Up to [`LANES`] configurations without travel; what is no configuration is unknown.
+    /// Up to [`LANES`] configurations without travel; what is no configuration is unknown (a position that is not finite
+    /// is beyond the limits that the sieve looks at).
     fn sift_list<Q: AsRef<[f64]>>(&self, scratch: &mut Scratch, qs: &[Q]) -> [Sifted; LANES] {
         let mut sifted = [Sifted::Unknown; LANES];
-        if self.constant_hit.is_some() || !qs.iter().all(|q| self.is_configuration(q.as_ref())) {
+        if self.constant_hit.is_some() || !qs.iter().all(|q| q.as_ref().len() == self.dofs.len()) {
             return sifted;
         }
         let mut flat = std::mem::take(&mut scratch.flat);

@@ -4,7 +4,7 @@ use super::sieve::{Group, Moving, Placed, Rod, Sieve};
 use crate::simd::Kernel;
 
 /// Configurations side by side.
-pub(crate) const LANES: usize = 16;
+pub(crate) const LANES: usize = 8;
 
 type Lane = [f32; LANES];
 /// All bits set where the answer is yes.
@@ -373,17 +373,27 @@ fn farthest(travel: &[[f32; 2]], group: &Group) -> f32 {
     ways.iter().fold(0.0, |most, way| greater(most, greater(way[0], way[1])))
 }
 
-/// A pose followed by a constant one.
+/// A pose followed by a constant one, most of whose entries are 0 in most robots.
 #[inline(always)]
 fn goes_on(X: &[Lane; 12], R: &[f32; 9], t: &[f32; 3]) -> [Lane; 12] {
     let mut next = [[0.0; LANES]; 12];
-    for i in 0..3 {
-        for k in 0..LANES {
-            let (a, b, c) = (X[3 * i][k], X[3 * i + 1][k], X[3 * i + 2][k]);
-            next[3 * i][k] = a * R[0] + b * R[3] + c * R[6];
-            next[3 * i + 1][k] = a * R[1] + b * R[4] + c * R[7];
-            next[3 * i + 2][k] = a * R[2] + b * R[5] + c * R[8];
-            next[9 + i][k] = X[9 + i][k] + (a * t[0] + b * t[1] + c * t[2]);
+    next[9..].copy_from_slice(&X[9..]);
+    for from in 0..3 {
+        for (to, &entry) in [R[3 * from], R[3 * from + 1], R[3 * from + 2]].iter().enumerate() {
+            if entry != 0.0 {
+                for i in 0..3 {
+                    for k in 0..LANES {
+                        next[3 * i + to][k] += X[3 * i + from][k] * entry;
+                    }
+                }
+            }
+        }
+        if t[from] != 0.0 {
+            for i in 0..3 {
+                for k in 0..LANES {
+                    next[9 + i][k] += X[3 * i + from][k] * t[from];
+                }
+            }
         }
     }
     next

@@ -311,8 +311,9 @@ fn z_to_axis(frame: &MovingFrame) -> Matrix3<f64> {
         .into_inner()
 }
 
+/// Row by row; round-off of right angles becomes an exact 0, which costs no time later.
 fn rows(R: &Matrix3<f64>) -> [f32; 9] {
-    std::array::from_fn(|entry| R[(entry / 3, entry % 3)] as f32)
+    std::array::from_fn(|entry| R[(entry / 3, entry % 3)] as f32).map(|x: f32| if x.abs() < 1e-9 { 0.0 } else { x })
 }
 
 fn single(v: &Vector3<f64>) -> [f32; 3] {

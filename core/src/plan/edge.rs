@@ -50,7 +50,7 @@ impl ArmSpace {
     /// at in turn. Dividing ends where the travel is below the checker's margin (0.1 mm), because being free already means
     /// being farther apart than that: no wall is stepped over.
     ///
-    /// A sieve looks at sixteen intervals at once, with a travel of each body's ends of its own; the exact checker looks
+    /// A sieve looks at eight intervals at once, with a travel of each body's ends of its own; the exact checker looks
     /// at those that the sieve cannot tell.
     ///
     /// Both ends must be configurations of the arm; other lists count as blocked.

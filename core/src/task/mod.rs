@@ -1,6 +1,7 @@
 //! Tasks: from an intent ("pick it", "place it there") to a list of timed phases, or a typed refusal.
 
 mod certify;
+mod export;
 mod leg;
 mod motion;
 mod phases;
@@ -12,6 +13,7 @@ mod ways;
 mod workcell;
 
 pub use certify::certify;
+pub use export::{TrajectoryFormat, trajectory_text};
 pub use leg::{LegPlan, LegTask, assemble, plan_leg};
 pub(crate) use motion::{STRAIGHT_STEP_M, STRAIGHT_STEP_RAD};
 pub use plan::{Certificate, Leg, ObjectState, Phase, PhaseKind, Plan, PlanState, Route, Try};

@@ -1,6 +1,6 @@
 //! The phases of a leg with one grasp.
 
-use nalgebra::{Isometry3, Translation3};
+use nalgebra::{Isometry3, Translation3, Vector3};
 
 use super::motion::{Draft, Mover, joined, reversed};
 use super::setback::{Blocked, Setback};
@@ -8,7 +8,7 @@ use super::ways::{Ways, picks, pours, slides, upright_again};
 use super::{PhaseKind, Route, Situation, Stop};
 use crate::collision::CollisionError;
 use crate::grasp::{Grasp, Situated};
-use crate::plan::{ArmSpace, Path};
+use crate::plan::{ArmSpace, Path, Upright};
 use crate::scene::Action;
 
 /// The phases of a leg, untimed as a whole.
@@ -153,9 +153,21 @@ impl LegWith<'_> {
         Ok(ways[chosen].entry().to_vec())
     }
 
+    /// The axis of the object that pointed up at its start stays within an angle of the vertical.
+    fn upright(&self, max_tilt_rad: f64) -> Result<Upright, Setback> {
+        let cell = self.mover.cell;
+        let up_O = cell.X_WO_start.rotation.inverse() * Vector3::z();
+        let up_H = self.grasp.X_OH.rotation.inverse() * up_O;
+        let upright = Upright::new(&cell.robot, cell.arm_index, &cell.q_start, &up_H, max_tilt_rad);
+        upright.map_err(|error| Blocked::because(error.to_string()).in_phase(PhaseKind::Transport, true))
+    }
+
     /// Carry it to one of the places; which one it is.
-    fn transport(&mut self, _stop: &Stop, from: &[f64], ways: &[Ways]) -> Result<usize, Setback> {
-        let carrying = self.carrying(PhaseKind::Transport, &[])?;
+    fn transport(&mut self, stop: &Stop, from: &[f64], ways: &[Ways]) -> Result<usize, Setback> {
+        let mut carrying = self.carrying(PhaseKind::Transport, &[])?;
+        if let Some(max_tilt_rad) = stop.keep_upright_rad {
+            carrying = carrying.keeping_upright(self.upright(max_tilt_rad)?);
+        }
         let goals: Vec<Vec<f64>> = ways.iter().map(|ways| ways.entry().to_vec()).collect();
         let found = self.mover.search(&carrying, from, &goals);
         let found = found.map_err(|blocked| blocked.in_phase(PhaseKind::Transport, true))?;
