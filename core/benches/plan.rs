@@ -84,12 +84,25 @@ fn bench_states(set: &str, model: &CollisionModel, world: &World, report: &mut R
         std::hint::black_box(checker.is_free(scratch, q));
     };
     let (any_us, free_us) = (batches(&all, &mut is_free), batches(&free, &mut is_free));
+    let in_batches = |states: &[&Vec<f64>], scratch: &mut Scratch| -> Vec<f64> {
+        let mut check = |batch: &[&Vec<f64>]| {
+            let begin_ms = now_ms();
+            std::hint::black_box(checker.surely_free(scratch, batch));
+            (now_ms() - begin_ms) * 1e6 / batch.len() as f64
+        };
+        states.chunks(400).map(&mut check).collect()
+    };
+    let (any_ns, free_ns) = (in_batches(&all, &mut Scratch::default()), in_batches(&free, &mut Scratch::default()));
+    let passed = checker.surely_free(&mut Scratch::default(), &free).into_iter().filter(|sure| *sure).count();
+    let passed = format!("{:.1} % of the free ones pass", 100.0 * passed as f64 / free.len() as f64);
     let mut nearest_m = f64::INFINITY;
     let distance_us =
         batches(&free, &mut |scratch, q| nearest_m = nearest_m.min(checker.distance(scratch, q).distance_m));
     let share = format!("{:.0} % of {STATES} states free", 100.0 * free.len() as f64 / STATES as f64);
     report.add(set, "check any state", "µs", any_us, share);
     report.add(set, "check a free state", "µs", free_us, "");
+    report.add(set, "check any state in batches", "ns", any_ns, "");
+    report.add(set, "check a free state in batches", "ns", free_ns, passed);
     report.add(set, "distance of a free state", "µs", distance_us, format!("least {:.1} mm", nearest_m * 1e3));
     report.add(set, "make the checker", "µs", make_us, "");
     if nearest_m < 0.0 { Err("a free state is in collision".into()) } else { Ok(()) }
@@ -107,9 +120,12 @@ fn bench_plans(
     let space = ArmSpace::new(robot, 0, Checker::for_arm(model, world, None, &[], 0, &[0.0; 7])?)?;
     let judge = Exhaustive::new(model, world, None, &[])?;
     let limits = MotionLimits::of(&space);
+    // Crichton's arm: about 0.43 rad/s and 0.4 rad/s².
+    let slow = MotionLimits { velocity: vec![0.43; 7], acceleration: vec![0.4; 7], jerk: vec![4.0; 7] };
     let dofs: Vec<usize> = (0..7).collect();
     let (mut plan_ms, mut short_ms, mut time_ms) = (Vec::new(), Vec::new(), Vec::new());
-    let (mut found_rad, mut short_rad, mut duration_s) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut found_rad, mut short_rad) = (Vec::new(), Vec::new());
+    let mut durations_s = [const { Vec::new() }; 4];
     let (mut straight, mut blocked) = (0, 0);
     for seed in 0..SEEDS {
         for (start, goal) in pairs {
@@ -127,7 +143,13 @@ fn bench_plans(
             time_ms.push(now_ms() - begin_ms);
             found_rad.push(found.path.length_rad());
             short_rad.push(short.length_rad());
-            duration_s.push(trajectory.duration_s());
+            for (which, limits) in
+                [&limits, &without_jerk(&limits), &slow, &without_jerk(&slow)].into_iter().enumerate()
+            {
+                let trajectory = time_path(&space, &short, limits, &TimingSettings::default())?;
+                durations_s[which].push(trajectory.duration_s());
+                blocked += u32::from(limits.first_violation(&trajectory).is_some());
+            }
             for path in [&found.path, &short] {
                 blocked += u32::from(walk_path(&judge, &dofs, &[0.0; 7], path, 0.01).is_some());
             }
@@ -142,8 +164,16 @@ fn bench_plans(
     report.add(problem, "timing", "ms", time_ms, "");
     report.add(problem, "path as found", "rad", found_rad, "");
     report.add(problem, "path after shortcut", "rad", short_rad, "");
-    report.add(problem, "duration", "s", duration_s, "");
+    let whats = ["duration", "duration, any jerk", "duration at 0.4 rad/s²", "duration at 0.4 rad/s², any jerk"];
+    for (what, duration_s) in whats.into_iter().zip(durations_s) {
+        report.add(problem, what, "s", duration_s, "");
+    }
     Ok(blocked)
+}
+
+/// The same limits with as much jerk as the samples can show.
+fn without_jerk(limits: &MotionLimits) -> MotionLimits {
+    MotionLimits { jerk: vec![1e9; limits.jerk.len()], ..limits.clone() }
 }
 
 /// The arm of the workload, each of its segments (a cylinder and two balls in the file) as the one capsule that it is.

@@ -163,7 +163,7 @@ pub enum Action {
 pub struct Freedom {
     /// Turn about the vertical to either side, rad; π leaves it free.
     pub yaw_rad: f64,
-    /// Shift along the goal's own horizontal x and y to either side, metres.
+    /// Shift along the world's x and y to either side, metres.
     pub area_m: [f64; 2],
     /// Half angle of the cone of directions in which the object's upright axis may point, rad.
     pub cone_rad: f64,
@@ -359,7 +359,8 @@ impl Scene {
 impl Step {
     fn check(&mut self, place: &str) -> Result<(), SceneError> {
         checked_pose(&format!("{place}.X_WO_goal"), &mut self.X_WO_goal)?;
-        let pi = std::f64::consts::PI;
+        // Half a turn as people type it.
+        let pi = 3.1416;
         let [x_m, y_m] = self.freedom.area_m;
         let hold_s = if let Action::Pour { hold_s } = self.action { hold_s } else { 0.0 };
         for (name, value, high) in [

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use endcomfort_core::cloud::RgbdCamera;
 use endcomfort_core::object::{HouseholdObject, SceneBody, view_scene};
-use endcomfort_core::scene::Scene;
+use endcomfort_core::scene::{Action, Scene};
 use endcomfort_core::segment::{PointFate, SegmentSettings, segment};
 use endcomfort_core::watch::Watch;
 use nalgebra::Vector3;
@@ -71,13 +71,17 @@ fn objects_have_their_published_sizes_and_carry_the_name_of_their_file() {
 fn every_scene_falls_apart_into_its_objects() {
     let objects = objects();
     let scenes = scenes();
-    assert_eq!(scenes.iter().map(|scene| scene.name.as_str()).collect::<Vec<_>>(), ["glass", "jar", "mustard"]);
+    assert!(scenes.len() >= 8);
     for scene in &scenes {
         let view = view_scene(scene, &objects, &RgbdCamera::default()).unwrap();
         assert!(view.cloud.points.len() > 150_000, "{}: {}", scene.name, view.cloud.points.len());
         let settings = SegmentSettings::default();
         let mut segmentation = segment(&view.cloud, &settings, scene.seed, Watch::idle()).unwrap();
-        assert_eq!(segmentation.clusters.len(), scene.objects.len() + scene.obstacles.len(), "{}", scene.name);
+        // The pieces of one thing have one name; what stands in a crate is one with it until that is taken out.
+        let mut known: Vec<&str> = scene.obstacles.iter().map(|obstacle| obstacle.name.as_str()).collect();
+        known.dedup();
+        let apart = scene.objects.len() + known.len();
+        assert!((apart - known.len()..=apart).contains(&segmentation.clusters.len()), "{}", scene.name);
         segmentation.remove_known(&view.cloud, &scene.obstacles, 0.01, settings.cluster_min_points);
         assert_eq!(segmentation.clusters.len(), scene.objects.len(), "{}", scene.name);
         assert!((segmentation.table.offset_m - scene.table.height_m).abs() < 0.002, "{:?}", segmentation.table);
@@ -110,7 +114,8 @@ fn objects_stand_on_the_table_apart_from_each_other_and_goals_are_free() {
         let (target, X_WO_goal) = (&scene.task.object, scene.task.X_WO_goal().expect(&scene.name));
         for (index, placed) in scene.objects.iter().enumerate() {
             let p = placed.X_WO.translation.vector;
-            assert!((p.z - size(index).z - scene.table.height_m).abs() < 5e-4, "{}: {}", scene.name, placed.object);
+            let height_m = p.z - size(index).z - under(&scene, &p);
+            assert!(height_m.abs() < 5e-4, "{}: {}: {height_m}", scene.name, placed.object);
             assert!((0.4..=0.65).contains(&p.x) && p.y.abs() <= 0.45, "{}: {}", scene.name, placed.object);
             let far_from = |q: &Vector3<f64>, other: usize| (p.xy() - q.xy()).norm() - size(other).xy().min();
             for other in index + 1..scene.objects.len() {
@@ -122,13 +127,20 @@ fn objects_stand_on_the_table_apart_from_each_other_and_goals_are_free() {
                 assert!(gap > 0.05, "{}: goal and {}: {gap}", scene.name, placed.object);
             }
         }
-        let under = scene.obstacles.first().map_or(0.0, |obstacle| obstacle.size_m.z);
-        assert!(
-            (X_WO_goal.translation.z - size(*target).z - scene.table.height_m - under).abs() < 5e-4,
-            "{}",
-            scene.name
-        );
+        if scene.task.steps.last().is_some_and(|step| step.action != Action::Slide) {
+            let height_m = X_WO_goal.translation.z - size(*target).z - under(&scene, &X_WO_goal.translation.vector);
+            assert!(height_m.abs() < 5e-4, "{}: {height_m}", scene.name);
+        }
     }
+}
+
+/// Height of the table or of the highest known box below a point.
+fn under(scene: &Scene, p: &Vector3<f64>) -> f64 {
+    let over = scene.obstacles.iter().filter(|obstacle| {
+        let from = p - obstacle.X_WB.translation.vector;
+        from.x.abs() < 0.5 * obstacle.size_m.x && from.y.abs() < 0.5 * obstacle.size_m.y && from.z > 0.0
+    });
+    over.map(|obstacle| obstacle.X_WB.translation.z + 0.5 * obstacle.size_m.z).fold(scene.table.height_m, f64::max)
 }
 
 #[test]

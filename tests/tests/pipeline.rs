@@ -5,12 +5,12 @@
 use std::sync::Arc;
 
 use endcomfort::assets;
-use endcomfort_core::job::{Output, Refusal, Request, SetShape, Stage, Update};
+use endcomfort_core::job::{Output, RankOutput, Refusal, Request, SetShape, Stage, Update};
 use endcomfort_core::pipeline::Pipeline;
-use endcomfort_core::scene::{ArmChoice, PlacedObject, Scene, Task};
+use endcomfort_core::scene::{ArmChoice, Freedom, Obstacle, PlacedObject, Scene, Task};
 use endcomfort_core::task::{Phase, PhaseKind, Plan};
 use endcomfort_core::watch::Watch;
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Vector3};
 
 /// Steps per sample of a trajectory when it is walked again.
 const DENSITY: usize = 4;
@@ -50,15 +50,19 @@ fn check_phases(plan: &Plan, wanted: &[PhaseKind]) {
     }
 }
 
-const PICK_AND_PLACE: [PhaseKind; 7] = [
-    PhaseKind::Reach,
-    PhaseKind::Close,
-    PhaseKind::Lift,
-    PhaseKind::Transport,
-    PhaseKind::Place,
-    PhaseKind::Open,
-    PhaseKind::Retreat,
-];
+use PhaseKind::{Close, Lift, Open, Place, Pour, Reach, Retreat, Slide, Transport};
+
+const PICK_AND_PLACE: [PhaseKind; 7] = [Reach, Close, Lift, Transport, Place, Open, Retreat];
+
+/// The phases of a demo's plan.
+fn phases_of(demo: &str) -> Vec<PhaseKind> {
+    match demo {
+        "across" => vec![Reach, Close, Slide, Open, Retreat],
+        "pour" => vec![Reach, Close, Lift, Transport, Pour, Transport, Place, Open, Retreat],
+        "regrasp" => [PICK_AND_PLACE, PICK_AND_PLACE].concat(),
+        _ => PICK_AND_PLACE.to_vec(),
+    }
+}
 
 #[test]
 fn every_demo_is_planned_and_stays_free_when_walked_again_at_four_times_the_density() {
@@ -67,9 +71,12 @@ fn every_demo_is_planned_and_stays_free_when_walked_again_at_four_times_the_dens
         let (outputs, refused) = run(&mut pipeline, &request(assets::demo(name).unwrap()));
         assert_eq!(refused, None, "{name}");
         let plan = plan_of(outputs).unwrap();
-        check_phases(&plan, &PICK_AND_PLACE);
+        check_phases(&plan, &phases_of(name));
         let hit = pipeline.workcell().unwrap().rewalk(&plan, DENSITY).unwrap();
         assert_eq!(hit, None, "{name}");
+        let moving = plan.phases.iter().filter(|phase| !phase.kind.is_of_fingers());
+        let samples: usize = moving.map(|phase| phase.trajectory.positions.len()).sum();
+        assert_eq!((plan.certificate.density, plan.certificate.states), (DENSITY, DENSITY * samples), "{name}");
     }
 }
 
@@ -100,22 +107,27 @@ fn a_goal_beyond_the_arm_is_reached_once_the_torso_may_move() {
 fn the_object_ends_where_the_task_wants_it() {
     for name in assets::DEMOS {
         let scene = assets::demo(name).unwrap();
-        let (object, X_WO_goal) = (scene.task.object, *scene.task.X_WO_goal().expect("a goal"));
+        let (object, step) = (scene.task.object, scene.task.steps.last().expect("a goal"));
+        let (X_WO_goal, freedom) = (step.X_WO_goal, step.freedom);
         let moved = X_WO_goal * scene.objects[object].X_WO.inverse();
         let (outputs, _) = run(&mut Pipeline::new(assets::library()), &request(scene));
         let plan = plan_of(outputs).unwrap();
         let wanted = moved * plan.X_WO_start();
-        let off_m = (plan.X_WO_end().translation.vector - wanted.translation.vector).norm();
+        let shift = plan.X_WO_end().translation.vector - wanted.translation.vector;
         // The fit's bottom is a few millimetres off the table's, and the object is let go just above.
-        assert!(off_m < 0.012, "{name}: {off_m} m off");
-        assert!(plan.X_WO_end().rotation.angle_to(&wanted.rotation) < 1e-9);
+        let [x_m, y_m] = freedom.area_m;
+        assert!(shift.x.abs() < x_m + 0.012 && shift.y.abs() < y_m + 0.012 && shift.z.abs() < 0.012, "{name}: {shift}");
+        let turn = plan.X_WO_end().rotation * wanted.rotation.inverse();
+        assert!(turn.angle() < freedom.yaw_rad + 1e-9, "{name}");
+        assert!((turn * Vector3::z()).angle(&Vector3::z()) < 1e-6, "{name}: a goal with a free yaw stays upright");
 
         // The last carried pose, by forward kinematics, is that goal.
-        let place = plan.phases.iter().position(|phase| phase.kind == PhaseKind::Place).unwrap();
-        let end_s = plan.phases[place].start_s + plan.phases[place].trajectory.duration_s();
+        let last = plan.phases.iter().rposition(|phase| phase.carries).unwrap();
+        let end_s = plan.phases[last].start_s + plan.phases[last].trajectory.duration_s();
         let state = plan.state_at(end_s - 1e-9);
         let robot = assets::library().robot(&assets::demo(name).unwrap().robot).unwrap();
-        let X_WO = robot.link_poses(&state.q)[plan.tcp_link] * plan.grasp().X_OH.inverse();
+        let grasp = &plan.legs[plan.phases[last].leg].grasp;
+        let X_WO = robot.link_poses(&state.q)[plan.tcp_link] * grasp.X_OH.inverse();
         assert!((X_WO.translation.vector - plan.X_WO_end().translation.vector).norm() < 1e-6, "{name}");
     }
 }
@@ -174,7 +186,8 @@ fn a_stage_is_answered_from_memory_when_only_later_inputs_change() {
 
 #[test]
 fn every_rejected_grasp_says_why_and_every_accepted_one_can_be_reached() {
-    for name in assets::DEMOS {
+    // Out of the crate and upside down no single grasp leads: there nothing is accepted.
+    for name in assets::DEMOS.into_iter().filter(|name| *name != "regrasp") {
         let (outputs, _) = run(&mut Pipeline::new(assets::library()), &request(assets::demo(name).unwrap()));
         let ranked = outputs.iter().find_map(|o| if let Output::Rank(rank) = o { Some(rank) } else { None }).unwrap();
         let (accepted, rejected) = ranked.grasps.split_at(ranked.accepted);
@@ -185,10 +198,82 @@ fn every_rejected_grasp_says_why_and_every_accepted_one_can_be_reached() {
             let mean = goal.manipulability.iter().sum::<f64>() / goal.ik_count as f64;
             assert!((mean - goal.m_g).abs() < 1e-12);
         }
-        let merit = |k: usize| accepted[k].goal.as_ref().unwrap().m_g;
+        // With several stops all of them count.
+        let merit = |k: usize| {
+            let m_g: Vec<f64> = accepted[k].stops().map(|set| set.m_g).collect();
+            m_g.iter().sum::<f64>() / m_g.len() as f64
+        };
         assert!((1..accepted.len()).all(|k| merit(k - 1) >= merit(k)), "{name} is not ranked by m_g at the goal");
         assert!(rejected.iter().all(|grasp| !grasp.is_accepted() && !grasp.status.reason().is_empty()));
     }
+}
+
+#[test]
+fn a_slid_object_stays_on_the_table_and_a_poured_one_is_tilted_only_there() {
+    let height_and_tilt = |name: &str| {
+        let scene = assets::demo(name).unwrap();
+        let robot = assets::library().robot(&scene.robot).unwrap();
+        let plan = plan_of(run(&mut Pipeline::new(assets::library()), &request(scene.clone())).0).unwrap();
+        let up_O = plan.X_WO_start().rotation.inverse() * Vector3::z();
+        let at = |phase: &Phase, k: usize| {
+            let state = plan.state_at(phase.start_s + phase.trajectory.times_s[k]);
+            let X_WO = plan.object_pose(&robot, &state);
+            (X_WO.translation.z, (X_WO.rotation * up_O).angle(&Vector3::z()))
+        };
+        let carried = plan.phases.iter().filter(|phase| phase.carries);
+        let samples = carried.flat_map(|phase| (1..phase.trajectory.times_s.len() - 1).map(move |k| (phase, k)));
+        let all: Vec<(PhaseKind, (f64, f64))> = samples.map(|(phase, k)| (phase.kind, at(phase, k))).collect();
+        (scene, plan.X_WO_start().translation.z, all)
+    };
+    let (_, start_m, slid) = height_and_tilt("across");
+    assert!(slid.iter().all(|(kind, (z, tilt))| *kind == Slide && (z - start_m).abs() < 0.006 && *tilt < 0.02));
+
+    let (scene, _, poured) = height_and_tilt("pour");
+    let kept_rad = scene.task.steps[0].keep_upright_rad.unwrap();
+    let most = |wanted: PhaseKind| {
+        poured.iter().filter(|(kind, _)| *kind == wanted).map(|(_, (_, tilt))| *tilt).fold(0.0, f64::max)
+    };
+    assert!(most(Lift) < 0.02 && (most(Pour) - 110_f64.to_radians()).abs() < 0.02, "{}", most(Pour));
+    let pours = poured.iter().position(|(kind, _)| *kind == Pour).unwrap();
+    let before = poured[..pours].iter().map(|(_, (_, tilt))| *tilt).fold(0.0, f64::max);
+    assert!(before <= kept_rad + 1e-6, "tilted by {before} rad on the way to the mug, wanted {kept_rad} at most");
+}
+
+#[test]
+fn a_soft_goal_is_never_worse_than_its_middle_and_gives_more_grasps() {
+    let soft = assets::demo("box-on").unwrap();
+    let mut hard = soft.clone();
+    hard.task.steps[0].freedom = Freedom::default();
+    let ranked = |scene: Scene| {
+        let asked = Request { last: Stage::Rank, ..request(scene) };
+        let outputs = run(&mut Pipeline::new(assets::library()), &asked).0;
+        outputs.into_iter().find_map(|o| if let Output::Rank(rank) = o { Some(rank) } else { None }).unwrap()
+    };
+    let (soft, hard) = (ranked(soft), ranked(hard));
+    assert!(soft.accepted > hard.accepted, "{} against {}", soft.accepted, hard.accepted);
+    let best = |ranked: &RankOutput| ranked.grasps[0].goal.as_ref().unwrap().m_g;
+    assert!(best(&soft) >= best(&hard), "{} against {}", best(&soft), best(&hard));
+    let chosen: Vec<_> = soft.grasps[..soft.accepted].iter().map(|grasp| grasp.goal.as_ref().unwrap()).collect();
+    assert!(chosen.iter().all(|set| set.poses > 1) && chosen.iter().any(|set| set.X_WO != chosen[0].X_WO));
+}
+
+#[test]
+fn what_was_tried_in_vain_is_kept_with_its_phase_and_its_place() {
+    // A wall between start and goal that nothing gets over or round.
+    let mut scene = assets::demo("mustard").unwrap();
+    scene.obstacles.push(Obstacle {
+        name: "wall".to_owned(),
+        size_m: Vector3::new(1.2, 0.01, 1.5),
+        X_WB: Isometry3::translation(0.75, -0.25, 1.1),
+    });
+    scene.motion.max_grasps = 2;
+    let (_, refused) = run(&mut Pipeline::new(assets::library()), &request(scene));
+    let refusal = refused.expect("there is no way");
+    assert!(!refusal.tries.is_empty(), "{refusal:?}");
+    for tried in &refusal.tries {
+        assert!(tried.grasp.is_some() && tried.phase.is_some() && !tried.reason.is_empty(), "{tried:?}");
+    }
+    assert!(refusal.tries.iter().any(|tried| tried.culprits.contains(&"wall".to_owned()) && !tried.q.is_empty()));
 }
 
 /// The object alone on the table, in reach of the left arm, to be moved 12 cm outwards.

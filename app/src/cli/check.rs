@@ -36,10 +36,8 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
     if failures.is_empty() {
         return Ok(());
     }
-    Err(Failure {
-        message: format!("{} of {} files cannot be used", failures.len(), args.files.len()),
-        details: failures,
-    })
+    let message = format!("{} of {} files cannot be used", failures.len(), args.files.len());
+    Err(Failure::new(message).with_details(failures))
 }
 
 fn print_report(report: &Value) {

@@ -150,7 +150,7 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
     match failures.len() {
         0 => Ok(()),
         count => {
-            Err(Failure { message: format!("{count} of {} clouds not fitted", args.clouds.len()), details: failures })
+            Err(Failure::new(format!("{count} of {} clouds not fitted", args.clouds.len())).with_details(failures))
         }
     }
 }

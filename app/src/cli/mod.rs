@@ -8,6 +8,7 @@ mod grasp_options;
 mod grasps;
 mod ik;
 mod input;
+mod motion_options;
 mod pictures;
 mod plan;
 mod render;
@@ -21,6 +22,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand, ValueEnum};
 use endcomfort_core::job::Refusal;
+use endcomfort_core::task::Try;
 
 /// See a robot decide how to grasp. Without a subcommand the window opens.
 #[derive(Parser)]
@@ -52,7 +54,7 @@ enum Command {
     /// Ranks the grasps of an object.
     Grasps(Box<grasps::Args>),
     /// Plans a task.
-    Plan(plan::Args),
+    Plan(Box<plan::Args>),
     /// Draws one picture without a window.
     Render(render::Args),
     /// Measures the thesis's tables again.
@@ -84,16 +86,23 @@ impl From<ArmName> for endcomfort_core::scene::ArmChoice {
 struct Failure {
     message: String,
     details: Vec<String>,
+    tries: Vec<Try>,
 }
 
 impl Failure {
     fn new(message: impl Into<String>) -> Self {
-        Self { message: message.into(), details: Vec::new() }
+        Self { message: message.into(), details: Vec::new(), tries: Vec::new() }
+    }
+
+    fn with_details(self, details: Vec<String>) -> Self {
+        Self { details, ..self }
     }
 
     /// The failure as a JSON object with a stage of the pipeline, if there is one.
     fn json(&self) -> serde_json::Value {
-        serde_json::json!({ "status": "refused", "reason": self.message, "details": self.details })
+        serde_json::json!({
+            "status": "refused", "reason": self.message, "details": self.details, "tries": self.tries,
+        })
     }
 }
 
@@ -106,7 +115,7 @@ impl fmt::Display for Failure {
 
 impl From<Refusal> for Failure {
     fn from(refusal: Refusal) -> Self {
-        Self { message: refusal.message, details: refusal.details }
+        Self { message: refusal.message, details: refusal.details, tries: refusal.tries }
     }
 }
 

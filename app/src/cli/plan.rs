@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use endcomfort_core::job::{Output, Stage};
 use endcomfort_core::task::plan_json_lines;
 
-use super::{Common, Failure, input};
+use super::{Common, Failure, input, motion_options};
 use crate::assets;
 use crate::jobs;
 
@@ -25,24 +25,26 @@ pub(super) struct Args {
     /// A hand of your own at the acting arm: a hand description (.json).
     #[arg(long)]
     hand: Option<PathBuf>,
+    #[command(flatten)]
+    motion: motion_options::Options,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum TaskName {
     /// Grasp and lift.
     Pick,
-    /// Grasp, move to the scene's goal and put down.
+    /// Grasp, and move the object through the scene's steps to its goal.
     Place,
 }
 
 pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
     let mut request = input::request(&args.scene, args.robot.as_deref(), common)?;
-    match args.task {
-        TaskName::Pick => request.scene.task.steps.clear(),
-        TaskName::Place if request.scene.task.steps.is_empty() => {
-            return Err(Failure::new(format!("{}: the scene has no goal to place at", args.scene)));
-        }
-        TaskName::Place => {}
+    if args.task == TaskName::Pick {
+        request.scene.task.steps.clear();
+    }
+    request.scene = args.motion.apply(request.scene)?;
+    if args.task == TaskName::Place && request.scene.task.steps.is_empty() {
+        return Err(Failure::new(format!("{}: the scene has no goal to place at; give one with --goal", args.scene)));
     }
     request.grasp = args.grasp;
     if let Some(file) = &args.hand {
@@ -57,7 +59,8 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
         plan_json_lines(&plan, &robot).iter().for_each(|line| println!("{line}"));
         return Ok(());
     }
-    println!("{} arm, grasp {}, {:.2} s", plan.arm, plan.grasp().id, plan.duration_s());
+    let grasps: Vec<String> = plan.legs.iter().map(|leg| leg.grasp.id.to_string()).collect();
+    println!("{} arm, grasp {}, {:.2} s", plan.arm, grasps.join(" then "), plan.duration_s());
     for phase in &plan.phases {
         let clearance = phase.clearance_m.iter().copied().fold(f64::INFINITY, f64::min);
         println!(
@@ -68,6 +71,17 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
             clearance * 1e3
         );
     }
+    for (index, route) in plan.routes.iter().enumerate() {
+        let fate = match (&route.refused, route.duration_s) {
+            (Some(reason), _) => format!("not followed: {reason}"),
+            (None, Some(duration_s)) => format!("{duration_s:.2} s"),
+            (None, None) => "not tried".to_owned(),
+        };
+        let (mark, cm, mm) = (if route.chosen { "→" } else { " " }, route.length_m * 1e2, route.clearance_m * 1e3);
+        println!("  {mark} route {}: {cm:.0} cm, clearance {mm:.0} mm, {fate}", index + 1);
+    }
+    let checked = plan.certificate;
+    println!("  walked again: {} states, {} per sample, nothing touches", checked.states, checked.density);
     for tried in &plan.tries {
         println!("  before it {tried}");
     }

@@ -5,13 +5,10 @@ use crate::window;
 
 pub(super) fn run() -> Result<(), Failure> {
     if !has_display() {
-        return Err(Failure {
-            message: "there is no display to open a window on".into(),
-            details: vec![
-                "in a browser: cargo xtask serve".into(),
-                "as a picture: endcomfort render mustard --out mustard.png".into(),
-            ],
-        });
+        return Err(Failure::new("there is no display to open a window on").with_details(vec![
+            "in a browser: cargo xtask serve".into(),
+            "as a picture: endcomfort render mustard --out mustard.png".into(),
+        ]));
     }
     window::open().map_err(Failure::new)
 }

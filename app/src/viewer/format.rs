@@ -146,6 +146,8 @@ pub(super) fn status_words(status: &GraspStatus) -> &'static str {
         GraspStatus::HitsTable { .. } => "Hits the table",
         GraspStatus::HitsNeighbour { .. } => "Hits a neighbour",
         GraspStatus::NoIkAtStart { .. } => "Out of reach at start",
+        GraspStatus::NoIkAtStep { .. } => "Out of reach at a step",
+        GraspStatus::NoWayAtStep { .. } => "No way on from a step",
         GraspStatus::NoIkAtGoal { .. } => "Out of reach at goal",
         GraspStatus::NoWayAtStart { .. } => "No way in or up at start",
         GraspStatus::NoWayAtGoal { .. } => "No way down or out at goal",

@@ -6,6 +6,7 @@ use super::checker::{CONTACT_M, Checker, Cluster, ConstantPair, Fixed, MovingPai
 use super::frames::{MovingFrame, Rigid};
 use super::model::{CollisionError, CollisionModel};
 use super::setup::{CarriedObject, MayTouch, Party};
+use super::sieve::Sieve;
 use super::solid::Solid;
 use super::world::World;
 use crate::math;
@@ -58,9 +59,8 @@ pub(crate) fn build(
             let out_of_reach = reach.is_some_and(|(origin_W, radius)| {
                 squared_distance_to_box(&origin_W, &thing.lower, &thing.upper) > radius * radius
             });
-            if !out_of_reach {
-                cluster.against.push((index, depth_m));
-            }
+            let list = if out_of_reach { &mut cluster.out_of_reach } else { &mut cluster.against };
+            list.push((index, depth_m));
         }
     }
     let mut pairs = Vec::new();
@@ -100,7 +100,9 @@ pub(crate) fn build(
         link_names: robot.links.iter().map(|link| link.name.clone()).collect(),
         obstacle_names: world.obstacles.iter().map(|obstacle| obstacle.name.clone()).collect(),
         carried_name: carried.map(|carried| carried.name.clone()).unwrap_or_default(),
+        sieve: Sieve::default(),
     };
+    checker.sieve = Sieve::new(&checker);
     checker.constant_hit = checker.find_constant_hit();
     Ok(checker)
 }
@@ -179,7 +181,7 @@ fn cluster(owner: Owner, frame: usize, solids: Vec<Solid>) -> Cluster {
     let upper = solids.iter().fold(Vector3::repeat(f64::NEG_INFINITY), |m, s| m.sup(&s.center));
     let center = 0.5 * (lower + upper);
     let bound = solids.iter().map(|s| (s.center - center).norm() + s.bound).fold(0.0, f64::max);
-    Cluster { owner, frame, center, bound, solids, against: Vec::new() }
+    Cluster { owner, frame, center, bound, solids, against: Vec::new(), out_of_reach: Vec::new() }
 }
 
 /// Ball in the world that the cluster never leaves; `None` is never returned for a cluster of a moving frame.

@@ -131,6 +131,7 @@ impl Judge<'_> {
             clearance_m: None,
             score: None,
             start: None,
+            via: Vec::new(),
             goal: None,
             status: GraspStatus::Accepted,
         };

@@ -67,6 +67,9 @@ pub struct Grasp {
     pub score: Option<Score>,
     /// The grasp at the start pose; `None` while it was not reached.
     pub start: Option<Situated>,
+    /// The grasp at the stops between start and goal.
+    #[serde(default)]
+    pub via: Vec<Situated>,
     /// The grasp at the goal pose; `None` while it was not reached or there is no goal.
     pub goal: Option<Situated>,
     /// Accepted, or why not.
@@ -74,6 +77,29 @@ pub struct Grasp {
 }
 
 impl Grasp {
+    /// Forgets what was found out about the places of a task, for another task with the same start.
+    pub(crate) fn forget_places(&mut self) {
+        let is_of_a_place = matches!(
+            self.status,
+            GraspStatus::NoIkAtStart { .. }
+                | GraspStatus::NoWayAtStart { .. }
+                | GraspStatus::NoIkAtStep { .. }
+                | GraspStatus::NoWayAtStep { .. }
+                | GraspStatus::NoIkAtGoal { .. }
+                | GraspStatus::NoWayAtGoal { .. }
+        );
+        if is_of_a_place {
+            self.status = GraspStatus::Accepted;
+        }
+        (self.start, self.goal, self.clearance_m, self.score) = (None, None, None, None);
+        self.via.clear();
+    }
+
+    /// The grasp at every stop of its task, the goal last; empty while it did not come so far or there is no goal.
+    pub fn stops(&self) -> impl Iterator<Item = &Situated> {
+        self.via.iter().chain(&self.goal)
+    }
+
     /// Whether it may be used.
     pub fn is_accepted(&self) -> bool {
         self.status == GraspStatus::Accepted
@@ -135,6 +161,12 @@ impl Success {
 /// A grasp with the object at one pose: the IK set and its mean manipulability.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Situated {
+    /// Pose of the object in the world: of the poses that a soft goal allows, the one chosen.
+    #[serde(default = "Isometry3::identity")]
+    pub X_WO: Isometry3<f64>,
+    /// How many poses a soft goal offered; 1 if it was not soft.
+    #[serde(default)]
+    pub poses: usize,
     /// Mean manipulability m_g over the collision-free IK set (5.2); 0 for an empty set.
     pub m_g: f64,
     /// N of (5.2): configurations that reach the grasp, within limits and without collision.
@@ -179,6 +211,10 @@ pub enum GraspStatus {
     NoIkAtGoal { reason: Obstruction },
     /// It can be reached at the start, but no configuration comes to it straight or lifts the object from it.
     NoWayAtStart { reason: Obstruction },
+    /// No arm configuration reaches it at a stop between start and goal, counted from 0.
+    NoIkAtStep { step: usize, reason: Obstruction },
+    /// It can be reached at such a stop, but no way leads on from there.
+    NoWayAtStep { step: usize, reason: Obstruction },
     /// It can be reached at the goal, but no configuration lowers the object there or leaves it straight.
     NoWayAtGoal { reason: Obstruction },
     /// It is not among those that a person wants.
@@ -197,6 +233,8 @@ impl GraspStatus {
             Self::HitsTable { .. } => "hits_table",
             Self::HitsNeighbour { .. } => "hits_neighbour",
             Self::NoIkAtStart { .. } => "no_ik_at_start",
+            Self::NoIkAtStep { .. } => "no_ik_at_step",
+            Self::NoWayAtStep { .. } => "no_way_at_step",
             Self::NoIkAtGoal { .. } => "no_ik_at_goal",
             Self::NoWayAtStart { .. } => "no_way_at_start",
             Self::NoWayAtGoal { .. } => "no_way_at_goal",
@@ -217,6 +255,8 @@ impl GraspStatus {
             Self::HitsTable { link } => format!("{link} hits the table"),
             Self::HitsNeighbour { link, neighbour } => format!("{link} hits {neighbour}"),
             Self::NoIkAtStart { reason } => format!("start: {reason}"),
+            Self::NoIkAtStep { step, reason } => format!("step {}: {reason}", step + 1),
+            Self::NoWayAtStep { step, reason } => format!("step {}, way on: {reason}", step + 1),
             Self::NoIkAtGoal { reason } => format!("goal: {reason}"),
             Self::NoWayAtStart { reason } => format!("start, way in or up: {reason}"),
             Self::NoWayAtGoal { reason } => format!("goal, way down or out: {reason}"),

@@ -93,10 +93,10 @@ impl Quantity {
         let has_contacts = !grasp.contacts.is_empty();
         match self {
             Self::MgStart => start.map(|set| set.m_g),
-            Self::MgGoal => goal.map(|set| set.m_g),
-            Self::MgMean => start.zip(goal).map(|(start, goal)| 0.5 * (start.m_g + goal.m_g)),
+            Self::MgGoal => goal.map(|_| at_stops(grasp)),
+            Self::MgMean => start.filter(|_| goal.is_some()).map(|start| 0.5 * (start.m_g + at_stops(grasp))),
             Self::IkStart => start.map(|set| set.ik_count as f64),
-            Self::IkGoal => goal.map(|set| set.ik_count as f64),
+            Self::IkGoal => goal.map(|_| grasp.stops().map(|set| set.ik_count as f64).fold(f64::INFINITY, f64::min)),
             Self::Score => grasp.score.as_ref().map(|score| score.total),
             Self::Epsilon => has_contacts.then_some(grasp.epsilon),
             Self::Volume => grasp.volume,
@@ -106,4 +106,10 @@ impl Quantity {
             Self::Contacts => Some(grasp.contacts.len() as f64),
         }
     }
+}
+
+/// Mean of m_g over all stops after the start: with one goal, m_g there.
+fn at_stops(grasp: &Grasp) -> f64 {
+    let (sum, count) = grasp.stops().fold((0.0, 0_u32), |(sum, count), set| (sum + set.m_g, count + 1));
+    sum / f64::from(count.max(1))
 }

@@ -208,6 +208,7 @@ mod tests {
             clearance_m: Some(0.01 * f64::from(id)),
             score: None,
             start: set(start),
+            via: Vec::new(),
             goal: set(goal),
             status: GraspStatus::Accepted,
         }

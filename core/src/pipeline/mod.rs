@@ -5,13 +5,16 @@
 
 mod goal;
 mod lab;
+mod legs;
 mod memory;
 mod perceive;
 mod rank;
+mod regrasp;
 mod run;
 mod situate;
 
 pub use perceive::synthetic_cloud;
 pub use run::Pipeline;
 
+pub(crate) use legs::TaskInput;
 pub(crate) use rank::{grasp_candidates, ranked, workcell};

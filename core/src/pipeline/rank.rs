@@ -68,7 +68,7 @@ pub(crate) fn workcell(
         world,
         target_O,
         X_WO_start: target.superquadric.X_FS,
-        X_WO_goal: super::goal::goal_pose(scene, target, is_dropped),
+        stops: super::goal::stops(scene, target, is_dropped),
         robot,
     })
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::legs::TaskInput;
 use super::memory::{Memory, text};
 use super::{lab, perceive, rank};
 use crate::grasp::{Grasp, RankBy};
@@ -9,7 +10,7 @@ use crate::job::{
     FitOutput, GraspsOutput, Output, RankOutput, Refusal, Request, SceneOutput, SegmentOutput, Stage, Update,
 };
 use crate::library::Library;
-use crate::task::{PickAndPlace, Plan, Workcell, plan_pick_and_place};
+use crate::task::{Plan, Workcell};
 use crate::watch::Watch;
 
 /// Runs requests and remembers what each stage gave last.
@@ -169,7 +170,7 @@ impl Pipeline {
             return Ok(Output::Grasps(GraspsOutput {
                 grasps: grasps.clone(),
                 X_WO_start: cell.X_WO_start,
-                X_WO_goal: cell.X_WO_goal,
+                X_WO_goal: cell.X_WO_goal(),
             }));
         }
 
@@ -185,8 +186,10 @@ impl Pipeline {
 
         inputs.push(text(&(&scene.motion, request.grasp)));
         let plan = self.plan.get(inputs, || {
-            let task = PickAndPlace { cell, ranked, chosen: request.grasp, seed: scene.seed };
-            plan_pick_and_place(&task, &scene.motion, watch)
+            let Some(Ok(target)) = fits.fits.get(fits.target) else { return Err(rank::no_fit()) };
+            let points = &segments.clusters[fits.target];
+            let touched = || rank::touched(scene, target, points, dropped.is_some(), library);
+            TaskInput { cell, ranked, chosen: request.grasp, target, touched: &touched, scene, watch }.plan()
         })?;
         Ok(Output::Plan(Box::new(plan.clone())))
     }

@@ -50,10 +50,32 @@ pub enum PlanOutcome {
     GoalsInvalid { first: Option<ConfigurationFault>, count: usize },
     /// Every goal within limits touches something; `first` is what the nearest goal touches.
     GoalsInCollision { first: Hit, count: usize },
-    /// The search was given up: nodes of both trees, configurations drawn, and how near the trees came, rad.
-    NoPath { nodes: usize, iterations: usize, nearest_gap_rad: f64 },
+    /// The search was given up.
+    NoPath(NoPath),
     /// It was cancelled.
     Stopped,
+}
+
+/// How far a search came that found no path.
+#[derive(Clone, Debug)]
+pub struct NoPath {
+    /// Nodes of both trees.
+    pub nodes: usize,
+    /// Configurations drawn.
+    pub iterations: usize,
+    /// Time it took by the watch, milliseconds. No result depends on it, and equality does not look at it.
+    pub elapsed_ms: f64,
+    /// The two nearest configurations that the trees tried to join: one reached from the start, one from a goal.
+    pub nearest: Option<[Vec<f64>; 2]>,
+    /// How far they are apart, rad; infinite if no join was tried.
+    pub nearest_gap_rad: f64,
+}
+
+impl PartialEq for NoPath {
+    fn eq(&self, other: &Self) -> bool {
+        let all = |this: &Self| (this.nodes, this.iterations, this.nearest.clone(), this.nearest_gap_rad);
+        all(self) == all(other)
+    }
 }
 
 /// A path and what it took.
@@ -157,6 +179,8 @@ fn search(
 ) -> PlanOutcome {
     let step = if settings.step_rad > 1e-3 { settings.step_rad } else { 1e-3 };
     let mut rng = Rng::new(seed, 0x0062_6972_7274);
+    let begin_ms = watch.now_ms();
+    let mut nearest = None;
     let mut nearest_gap_rad = f64::INFINITY;
     let mut iterations = 0;
     let mut q_random = vec![0.0; space.dimension()];
@@ -186,7 +210,11 @@ fn search(
         let new = explorer.add(&q_new, near);
         let (mut tip, mut gap) = connector.nearest(&q_new);
         let joined = loop {
-            nearest_gap_rad = nearest_gap_rad.min(gap);
+            if gap < nearest_gap_rad {
+                nearest_gap_rad = gap;
+                let reached = connector.node(tip).to_vec();
+                nearest = Some(if from_start { [q_new.clone(), reached] } else { [reached, q_new.clone()] });
+            }
             let reaches = gap <= step;
             let q_next = if reaches { q_new.clone() } else { lerp(connector.node(tip), &q_new, step / gap) };
             if !space.edge_is_free(scratch, connector.node(tip), &q_next) {
@@ -212,7 +240,8 @@ fn search(
             return PlanOutcome::Found(Found { path: Path { points }, goal, nodes, iterations });
         }
     }
-    PlanOutcome::NoPath { nodes: start_tree.len() + goal_tree.len(), iterations, nearest_gap_rad }
+    let (nodes, elapsed_ms) = (start_tree.len() + goal_tree.len(), watch.now_ms() - begin_ms);
+    PlanOutcome::NoPath(NoPath { nodes, iterations, elapsed_ms, nearest, nearest_gap_rad })
 }
 
 #[cfg(test)]
@@ -289,9 +318,19 @@ mod tests {
         let (start, goal) = (cells[0].clone(), [cells[1].clone()]);
         // Fifty motions of 0.02 rad lead nowhere.
         let settings = BirrtSettings { max_iterations: 50, step_rad: 0.02, ..BirrtSettings::default() };
-        let outcome = plan_path(&space, &start, &goal, &settings, 1, &Watch::idle());
-        let PlanOutcome::NoPath { iterations: 50, nearest_gap_rad, nodes } = outcome else { panic!("{outcome:?}") };
-        assert!(nearest_gap_rad > 0.0 && nearest_gap_rad < 10.0 && nodes > 2);
+        let clock = std::sync::atomic::AtomicU32::new(0);
+        let now_ms = || f64::from(clock.fetch_add(1, std::sync::atomic::Ordering::Relaxed));
+        let watch = Watch::new(&|| false, &|_, _| (), &now_ms);
+        let outcome = plan_path(&space, &start, &goal, &settings, 1, &watch);
+        let PlanOutcome::NoPath(found) = outcome.clone() else { panic!("{outcome:?}") };
+        assert!(found.iterations == 50 && found.nodes > 2 && found.elapsed_ms > 0.0, "{found:?}");
+        let [reached, wanted] = found.nearest.unwrap();
+        assert!((distance_rad(&reached, &wanted) - found.nearest_gap_rad).abs() < 1e-12);
+        assert!(found.nearest_gap_rad > 0.0 && found.nearest_gap_rad <= distance_rad(&start, &goal[0]));
+        // Fifty motions of 0.02 rad from the start are on its side, those from the goal on the goal's.
+        assert!(distance_rad(&start, &reached) <= 1.0 && distance_rad(&goal[0], &wanted) <= 1.0);
+        // Another clock, the same outcome.
+        assert_eq!(plan_path(&space, &start, &goal, &settings, 1, &Watch::idle()), outcome);
         let stop = Watch::new(&|| true, &|_, _| (), &|| 0.0);
         assert_eq!(plan_path(&space, &start, &goal, &settings, 1, &stop), PlanOutcome::Stopped);
     }

@@ -1,17 +1,25 @@
 //! Paths between arm configurations: search, shortcutting, timing.
 //!
 //! [`plan_path`] grows two RRT-Connect trees with the whole IK set as goals, [`shorten`] takes the detours out of the
-//! path, [`time_path`] rounds its corners and runs along it as fast as joint speeds and accelerations allow, and
+//! path, [`time_path`] rounds its corners and runs along it as fast as joint speeds, accelerations and jerks allow, and
 //! [`follow_poses`] moves the hand along given poses. Every edge is proven free, not sampled (see
 //! [`ArmSpace::edge_hit`]); [`walk`] checks the result once more with kinematics and geometry of its own.
 
 mod birrt;
 mod cartesian;
+mod clear;
 mod edge;
+mod filter;
+mod following;
+mod hand_edge;
+mod layers;
+mod limits;
+mod queue;
 mod retime;
 mod shortcut;
 mod smooth;
 mod space;
+mod swept;
 #[cfg(test)]
 pub(crate) mod testing;
 mod timing;
@@ -19,11 +27,14 @@ mod trajectory;
 mod tree;
 mod walk;
 
-pub use birrt::{BirrtSettings, Found, PlanOutcome, plan_path};
+pub use birrt::{BirrtSettings, Found, NoPath, PlanOutcome, plan_path};
 pub use cartesian::{CartesianSettings, CartesianStop, NearIk, StopReason, follow_poses, straight_line};
+pub use clear::{ClearPath, ClearSettings, plan_clear_path};
 pub use edge::EdgeHit;
+pub use following::{FollowReason, FollowSettings, FollowStop, Followed, HandWay, follow_hand};
+pub use limits::{MotionLimits, MotionQuantity, Violation};
 pub use shortcut::{ShortcutSettings, shorten};
 pub use space::{ArmSpace, ConfigurationFault, Path};
-pub use timing::{MotionLimits, TimingError, TimingSettings, time_path};
+pub use timing::{TimingError, TimingSettings, time_path};
 pub use trajectory::Trajectory;
 pub use walk::{WalkHit, walk, walk_path};

@@ -88,15 +88,21 @@ impl<'a> TimedRun<'a> {
         self.times.last().copied().unwrap_or(0.0)
     }
 
-    /// Joint positions at a time.
-    pub(crate) fn at(&self, time_s: f64) -> Vec<f64> {
-        let index = self.times.partition_point(|&t| t <= time_s).max(1).min(self.intervals.len()) - 1;
-        let interval = &self.intervals[index];
-        let elapsed = (time_s - self.times[index]).max(0.0);
-        let s_dot = self.x[index].sqrt();
-        let s_ddot = (self.x[index + 1] - self.x[index]) / (2.0 * interval.width);
-        let s = (s_dot * elapsed + 0.5 * s_ddot * elapsed * elapsed).max(0.0).min(interval.width);
-        self.stretches[interval.stretch].at(interval.begin + s)
+    /// Appends joint positions at `steps` equal steps of time, without the start.
+    pub(crate) fn sample(&self, steps: usize, samples: &mut Vec<Vec<f64>>) {
+        let mut index = 0;
+        for step in 1..=steps {
+            let time_s = self.duration_s() * step as f64 / steps as f64;
+            while index + 1 < self.intervals.len() && self.times[index + 1] <= time_s {
+                index += 1;
+            }
+            let interval = &self.intervals[index];
+            let elapsed = (time_s - self.times[index]).max(0.0);
+            let s_dot = self.x[index].sqrt();
+            let s_ddot = (self.x[index + 1] - self.x[index]) / (2.0 * interval.width);
+            let s = (s_dot * elapsed + 0.5 * s_ddot * elapsed * elapsed).max(0.0).min(interval.width);
+            samples.push(self.stretches[interval.stretch].at(interval.begin + s));
+        }
     }
 }
 
@@ -123,25 +129,34 @@ fn fill_rows(rows: &mut Vec<Row>, shape: &Stretch, interval: &Interval, accelera
 
 /// The largest x up to `ceiling` for which some s̈ obeys all rows and leads to an x in [0, next].
 ///
-/// Every row asks for `−w − t x <= s̈ <= w − t x`. A lower bound below every upper bound is one inequality in x for
-/// every pair of rows, and x = 0 obeys them all.
+/// Every row asks for `−w − t x <= s̈ <= w − t x`. The room between the highest lower bound and the lowest upper bound
+/// is concave in x and not negative at x = 0, so Newton's steps from above end at the largest x that has room.
 fn highest(rows: &[Row], width: f64, ceiling: f64, next: f64) -> f64 {
     let per_s = 0.5 / width;
-    let mut x = ceiling;
-    let mut keep = |lower_half: f64, lower_tilt: f64, upper_half: f64, upper_tilt: f64| {
-        let tilt = upper_tilt - lower_tilt;
-        let room = lower_half + upper_half;
-        if tilt * x > room {
-            x = room / tilt;
+    // No speed limit at all is none that is ever reached.
+    let mut x = ceiling.min(1e12);
+    loop {
+        // The next x is at least 0 and at most `next`; then the rows. Bounds as (value at x, slope).
+        let mut lower = (-per_s * x, -per_s);
+        let mut upper = ((next - x) * per_s, -per_s);
+        for row in rows {
+            let shift = row.tilt * x;
+            if -row.half_width - shift > lower.0 {
+                lower = (-row.half_width - shift, -row.tilt);
+            }
+            if row.half_width - shift < upper.0 {
+                upper = (row.half_width - shift, -row.tilt);
+            }
         }
-    };
-    keep(0.0, per_s, next * per_s, per_s);
-    for lower in rows {
-        keep(lower.half_width, lower.tilt, next * per_s, per_s);
-        keep(0.0, per_s, lower.half_width, lower.tilt);
-        for upper in rows {
-            keep(lower.half_width, lower.tilt, upper.half_width, upper.tilt);
+        let missing = lower.0 - upper.0;
+        let closing = lower.1 - upper.1;
+        if missing <= 0.0 || closing <= 0.0 {
+            return x;
         }
+        let nearer = (x - missing / closing).max(0.0);
+        if nearer >= x {
+            return x;
+        }
+        x = nearer;
     }
-    x.max(0.0)
 }

@@ -46,71 +46,121 @@ const SAME_RAD: f64 = 1e-9;
 /// A corner that cannot be rounded by this much is a stop, rad.
 const SMALLEST_BLEND_RAD: f64 = 1e-4;
 
-/// The path as runs of stretches; between two runs the arm stops.
-///
-/// Every corner is rounded as widely as half of its two lines and `blend_rad` allow; while that would touch
-/// something, by half as much, and finally not at all. The rounding leaves the path by at most half its width.
-pub(crate) fn smooth(space: &ArmSpace, scratch: &mut Scratch, path: &Path, blend_rad: f64) -> Vec<Vec<Stretch>> {
-    let mut points: Vec<&Vec<f64>> = Vec::new();
-    for point in &path.points {
-        if points.last().is_none_or(|last| distance_rad(last, point) > SAME_RAD) {
-            points.push(point);
-        }
-    }
-    let mut runs = Vec::new();
-    let Some(first) = points.first() else { return runs };
-    let mut run = Vec::new();
-    let mut at: Vec<f64> = (*first).clone();
-    for index in 1..points.len() {
-        let corner = points[index];
-        let width = points.get(index + 1).and_then(|next| {
-            let room = distance_rad(points[index - 1], corner).min(distance_rad(corner, next));
-            widest_blend(space, scratch, [points[index - 1], corner, next], (0.5 * room).min(blend_rad))
-        });
-        let (Some(width), Some(next)) = (width, points.get(index + 1)) else {
-            if distance_rad(&at, corner) > SAME_RAD {
-                run.push(Stretch::line(&at, corner));
+/// A corner that had to give way although it is narrower than this becomes a stop, rad.
+const NARROW_BLEND_RAD: f64 = 0.01;
+
+/// A path without repeated points, and how widely each of its corners is rounded.
+#[derive(Clone, Debug)]
+pub(crate) struct Rounded {
+    points: Vec<Vec<f64>>,
+    corners: Vec<Corner>,
+}
+
+/// How the motion passes an inner point of the path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Corner {
+    /// On a parabola that begins and ends this far from the point, rad.
+    Blend(f64),
+    /// Through rest.
+    Stop,
+    /// Through rest that lasts until nothing done before it has an effect on what follows.
+    Pause,
+}
+
+impl Rounded {
+    /// Every corner is rounded as widely as half of its two lines and `blend_rad` allow; while that would touch
+    /// something, by half as much, and finally not at all. The rounding leaves the path by at most half its width.
+    pub(crate) fn new(space: &ArmSpace, scratch: &mut Scratch, path: &Path, blend_rad: f64) -> Self {
+        let mut points: Vec<Vec<f64>> = Vec::new();
+        for point in &path.points {
+            if points.last().is_none_or(|last| distance_rad(last, point) > SAME_RAD) {
+                points.push(point.clone());
             }
-            if !run.is_empty() {
-                runs.push(std::mem::take(&mut run));
-            }
-            at = corner.clone();
-            continue;
-        };
-        let (enter, leave) = blend_ends([points[index - 1], corner, next], width);
-        if distance_rad(&at, &enter) > SAME_RAD {
-            run.push(Stretch::line(&at, &enter));
         }
-        run.push(blend([points[index - 1], corner, next], width));
-        at = leave;
+        let corners = points.windows(3).map(|corner| widest_blend(space, scratch, corner, blend_rad)).collect();
+        Self { points, corners }
     }
-    runs
+
+    /// Lets the corners nearest to some configurations give way: a narrower blend, then a stop, then a pause.
+    ///
+    /// The answer is whether any corner still could.
+    pub(crate) fn give_way(&mut self, blocked: &[Vec<f64>]) -> bool {
+        let mut nearest: Vec<usize> = Vec::new();
+        for q in blocked {
+            let movable = self.corners.iter().enumerate().filter(|(_, corner)| **corner != Corner::Pause);
+            let distance = |index: usize| distance_rad(q, &self.points[index + 1]);
+            nearest.extend(movable.map(|(k, _)| k).min_by(|a, b| distance(*a).total_cmp(&distance(*b))));
+        }
+        nearest.sort_unstable();
+        nearest.dedup();
+        for &index in &nearest {
+            self.corners[index] = match self.corners[index] {
+                Corner::Blend(width) if width > NARROW_BLEND_RAD => Corner::Blend(0.25 * width),
+                Corner::Blend(_) => Corner::Stop,
+                Corner::Stop | Corner::Pause => Corner::Pause,
+            };
+        }
+        !nearest.is_empty()
+    }
+
+    /// The path as runs of stretches from rest to rest, each with whether a pause follows it.
+    pub(crate) fn runs(&self) -> Vec<(Vec<Stretch>, bool)> {
+        let mut runs = Vec::new();
+        let Some(mut at) = self.points.first().cloned() else { return runs };
+        let mut run = Vec::new();
+        for index in 1..self.points.len() {
+            let point = &self.points[index];
+            match self.corners.get(index - 1).unwrap_or(&Corner::Stop) {
+                Corner::Blend(width) => {
+                    let corner = &self.points[index - 1..=index + 1];
+                    let (enter, leave) = blend_ends(corner, *width);
+                    if distance_rad(&at, &enter) > SAME_RAD {
+                        run.push(Stretch::line(&at, &enter));
+                    }
+                    run.push(blend(corner, *width));
+                    at = leave;
+                }
+                stop => {
+                    if distance_rad(&at, point) > SAME_RAD {
+                        run.push(Stretch::line(&at, point));
+                    }
+                    if !run.is_empty() {
+                        runs.push((std::mem::take(&mut run), *stop == Corner::Pause));
+                    }
+                    at.clone_from(point);
+                }
+            }
+        }
+        runs
+    }
 }
 
 /// Where a corner's parabola begins and ends.
-fn blend_ends([before, corner, after]: [&Vec<f64>; 3], width: f64) -> (Vec<f64>, Vec<f64>) {
-    let enter = lerp(corner, before, width / distance_rad(before, corner));
-    let leave = lerp(corner, after, width / distance_rad(corner, after));
+fn blend_ends(corner: &[Vec<f64>], width: f64) -> (Vec<f64>, Vec<f64>) {
+    let enter = lerp(&corner[1], &corner[0], width / distance_rad(&corner[0], &corner[1]));
+    let leave = lerp(&corner[1], &corner[2], width / distance_rad(&corner[1], &corner[2]));
     (enter, leave)
 }
 
-fn blend(corner: [&Vec<f64>; 3], width: f64) -> Stretch {
+fn blend(corner: &[Vec<f64>], width: f64) -> Stretch {
     let (enter, _) = blend_ends(corner, width);
-    let u = Stretch::line(corner[0], corner[1]).u;
-    let v = Stretch::line(corner[1], corner[2]).u;
+    let u = Stretch::line(&corner[0], &corner[1]).u;
+    let v = Stretch::line(&corner[1], &corner[2]).u;
     Stretch { start: enter, length: 2.0 * width, u, v }
 }
 
-/// The widest free rounding of a corner, halving from `width`.
-fn widest_blend(space: &ArmSpace, scratch: &mut Scratch, corner: [&Vec<f64>; 3], mut width: f64) -> Option<f64> {
+/// The widest free rounding of a corner, halving from `blend_rad`.
+fn widest_blend(space: &ArmSpace, scratch: &mut Scratch, corner: &[Vec<f64>], blend_rad: f64) -> Corner {
+    let room = distance_rad(&corner[0], &corner[1]).min(distance_rad(&corner[1], &corner[2]));
+    let mut width = (0.5 * room).min(blend_rad);
     while width >= SMALLEST_BLEND_RAD {
         let parabola = blend(corner, width);
         // Sixteen chords leave the parabola by at most a 256th of what it leaves its corner by.
-        let chords = (0..=16).map(|k| parabola.at(parabola.length * f64::from(k) / 16.0)).collect();
-        if space.path_is_free(scratch, &Path { points: chords }) {
-            return Some(width);
+        let chords: Vec<Vec<f64>> = (0..=16).map(|k| parabola.at(parabola.length * f64::from(k) / 16.0)).collect();
+        if space.blocked_motion(scratch, &chords).is_none() {
+            return Corner::Blend(width);
         }
         width *= 0.5;
     }
-    None
+    Corner::Stop
 }

@@ -19,6 +19,8 @@ pub struct ArmSpace {
     pub max_velocity: Vec<f64>,
     /// Largest joint accelerations, rad/s².
     pub max_acceleration: Vec<f64>,
+    /// Largest joint jerks, rad/s³.
+    pub max_jerk: Vec<f64>,
     /// Who touches whom; its columns are the arm's joints.
     pub checker: Checker,
 }
@@ -56,8 +58,25 @@ impl ArmSpace {
             upper: joints().map(|joint| joint.limit.upper).collect(),
             max_velocity: joints().map(|joint| joint.limit.velocity).collect(),
             max_acceleration: joints().map(|joint| joint.limit.acceleration).collect(),
+            max_jerk: joints().map(|joint| joint.limit.jerk).collect(),
             checker,
         })
+    }
+
+    /// The space of configurations and motions that keep everything farther than `clearance_m` from everything that the
+    /// arm moves.
+    ///
+    /// What is nearer than that at one of the configurations `ends` (start, goal) must only stay as far away as there,
+    /// to 0.12 mm; intended contacts keep their own rule, and so does what the arm's joints do not move. Searches,
+    /// shortcuts and timing in this space are proven with that distance.
+    pub fn keeping_clear(&self, clearance_m: f64, ends: &[&[f64]]) -> Self {
+        Self { checker: self.checker.keeping_clear(clearance_m, 0.0, ends), ..self.clone() }
+    }
+
+    /// The smallest distance of anything that the arm moves to anything else, metres, up to `most_m`; intended contacts
+    /// are left out.
+    pub fn room_m(&self, scratch: &mut Scratch, q: &[f64], most_m: f64) -> f64 {
+        self.checker.room_m(scratch, q, most_m)
     }
 
     /// Number of joints.

@@ -72,7 +72,13 @@ fn srs_arm() -> Robot {
         child: index + 1,
         X_PJ: Isometry3::translation(0.0, 0.0, z),
         axis: Unit::new_unchecked(if index.is_multiple_of(2) { Vector3::z() } else { Vector3::y() }),
-        limit: JointLimit { lower: -bound, upper: bound, velocity: 1.0 + 0.1 * index as f64, acceleration: 1.5 },
+        limit: JointLimit {
+            lower: -bound,
+            upper: bound,
+            velocity: 1.0 + 0.1 * index as f64,
+            acceleration: 1.5,
+            jerk: 15.0,
+        },
         mimic: None,
         dof: Some(index),
     };

@@ -315,7 +315,7 @@ fn add_frame(tree: &mut Robot, palm: usize, X_PH: &Placement) -> Result<usize, H
         child,
         X_PJ: X_PH.isometry(),
         axis: nalgebra::Vector3::x_axis(),
-        limit: JointLimit { lower: 0.0, upper: 0.0, velocity: 1.0, acceleration: 1.0 },
+        limit: JointLimit { lower: 0.0, upper: 0.0, velocity: 1.0, acceleration: 1.0, jerk: 10.0 },
         mimic: None,
         dof: None,
     });

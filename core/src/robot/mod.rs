@@ -27,4 +27,4 @@ pub use model::{
     Arm, CollisionBody, Geometry, Hand, Joint, JointKind, JointLimit, Link, Material, Mimic, Robot, Visual,
 };
 pub use srdf::{apply_srdf, load_robot};
-pub use urdf::{DEFAULT_SECONDS_TO_TOP_SPEED, Resolve, read_urdf};
+pub use urdf::{DEFAULT_SECONDS_TO_ACCELERATION, DEFAULT_SECONDS_TO_TOP_SPEED, Resolve, read_urdf};

@@ -129,6 +129,9 @@ pub struct JointLimit {
     /// Acceleration, rad/s² or m/s², greater than 0. `<limit acceleration>` is ours; without it the joint takes
     /// one second to its top speed.
     pub acceleration: f64,
+    /// Jerk, rad/s³ or m/s³, greater than 0. `<limit jerk>` is ours; without it the joint takes a tenth of a second
+    /// to its acceleration.
+    pub jerk: f64,
 }
 
 /// A mimic joint's position is `multiplier * q[dof] + offset`.

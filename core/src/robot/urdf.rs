@@ -2,7 +2,8 @@
 //!
 //! Numbers must be numbers, names must exist and be unique, the joints must form one tree. What only costs a picture
 //! (a missing mesh, an unknown colour) becomes a note. `<capsule radius length>` is read as a shape, and
-//! `<limit … acceleration="…"/>` is ours; without it a joint takes one second to its top speed.
+//! `<limit … acceleration="…" jerk="…"/>` is ours; without it a joint takes one second to its top speed and a tenth of
+//! a second to its acceleration.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -20,6 +21,10 @@ use crate::mesh::Mesh;
 
 /// Seconds from rest to top speed where a limit names no acceleration. Crichton's own controller took 0.75 s.
 pub const DEFAULT_SECONDS_TO_TOP_SPEED: f64 = 1.0;
+
+/// Seconds from rest to the acceleration limit where a limit names no jerk: short beside any motion, long beside the
+/// millisecond cycles of drives.
+pub const DEFAULT_SECONDS_TO_ACCELERATION: f64 = 0.1;
 
 /// Where no speed is given (fixed and lenient files), rad/s or m/s.
 const DEFAULT_VELOCITY: f64 = 1.0;
@@ -254,6 +259,7 @@ fn limit(joint: Node<'_, '_>, name: &str, kind: JointKind, continuous: bool) -> 
         upper: std::f64::consts::PI,
         velocity: DEFAULT_VELOCITY,
         acceleration: DEFAULT_VELOCITY / DEFAULT_SECONDS_TO_TOP_SPEED,
+        jerk: DEFAULT_VELOCITY / DEFAULT_SECONDS_TO_TOP_SPEED / DEFAULT_SECONDS_TO_ACCELERATION,
     };
     let Some(node) = xml::child(joint, "limit") else {
         if kind == JointKind::Fixed || continuous {
@@ -281,7 +287,8 @@ fn limit(joint: Node<'_, '_>, name: &str, kind: JointKind, continuous: bool) -> 
     xml::number(node, "effort", &thing)?;
     let velocity = optional("velocity", DEFAULT_VELOCITY)?;
     let acceleration = optional("acceleration", velocity / DEFAULT_SECONDS_TO_TOP_SPEED)?;
-    Ok(JointLimit { lower, upper, velocity, acceleration })
+    let jerk = optional("jerk", acceleration / DEFAULT_SECONDS_TO_ACCELERATION)?;
+    Ok(JointLimit { lower, upper, velocity, acceleration, jerk })
 }
 
 #[cfg(test)]
@@ -314,6 +321,20 @@ mod tests {
             assert!(joint.child == i + 1 && joint.parent < joint.child);
         }
         assert_eq!(robot.joints[0].limit.acceleration, 2.0, "one second to the top speed");
+    }
+
+    #[test]
+    fn limits_that_are_not_named_follow_from_those_that_are() {
+        let limit = |attributes: &str| {
+            let text = links("a b") + &hinge("j", "a", "b", &format!("<limit lower='-1' upper='1' {attributes}/>"));
+            let limit = read(&text).unwrap().value.joints[0].limit;
+            (limit.velocity, limit.acceleration, limit.jerk)
+        };
+        assert_eq!(limit("velocity='2'"), (2.0, 2.0, 20.0));
+        assert_eq!(limit("velocity='2' acceleration='4'"), (2.0, 4.0, 40.0));
+        assert_eq!(limit("velocity='2' acceleration='4' jerk='5'"), (2.0, 4.0, 5.0));
+        let text = links("a b") + &hinge("j", "a", "b", "<limit lower='-1' upper='1' jerk='0'/>");
+        assert!(read(&text).unwrap_err().to_string().contains("jerk=\"0\", wanted a number greater than 0"));
     }
 
     #[test]

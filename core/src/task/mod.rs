@@ -1,15 +1,21 @@
 //! Tasks: from an intent ("pick it", "place it there") to a list of timed phases, or a typed refusal.
 
+mod certify;
+mod leg;
 mod motion;
-mod pick_and_place;
+mod phases;
 mod plan;
 mod report;
+mod setback;
 mod settings;
+mod ways;
 mod workcell;
 
-pub(crate) use motion::STRAIGHT_STEP_M;
-pub use pick_and_place::{PickAndPlace, plan_pick_and_place};
+pub use certify::certify;
+pub use leg::{LegPlan, LegTask, assemble, plan_leg};
+pub(crate) use motion::{STRAIGHT_STEP_M, STRAIGHT_STEP_RAD};
 pub use plan::{Certificate, Leg, ObjectState, Phase, PhaseKind, Plan, PlanState, Route, Try};
 pub use report::plan_json_lines;
 pub use settings::{MotionSettings, Planner};
-pub use workcell::{Situation, TARGET, Workcell, WorkcellError};
+pub(crate) use ways::upright_again;
+pub use workcell::{Situation, Stop, TARGET, Workcell, WorkcellError};

@@ -2,27 +2,53 @@
 
 use nalgebra::{Isometry3, Translation3, Vector3};
 
+use super::setback::Blocked;
 use super::{MotionSettings, PhaseKind, Workcell};
 use crate::collision::Scratch;
 use crate::plan::{
-    ArmSpace, BirrtSettings, CartesianSettings, CartesianStop, MotionLimits, Path, PlanOutcome, ShortcutSettings,
-    StopReason, TimingSettings, Trajectory, follow_poses, plan_path, shorten, straight_line, time_path,
+    ArmSpace, BirrtSettings, CartesianSettings, CartesianStop, MotionLimits, NoPath, Path, PlanOutcome,
+    ShortcutSettings, StopReason, TimingSettings, Trajectory, follow_poses, plan_path, shorten, straight_line,
+    time_path,
 };
 use crate::watch::Watch;
 
 /// Distance between poses on a straight way, metres, and radians.
 pub(crate) const STRAIGHT_STEP_M: f64 = 0.01;
-const STRAIGHT_STEP_RAD: f64 = 0.1;
+pub(crate) const STRAIGHT_STEP_RAD: f64 = 0.1;
 /// Searches of which the shortest path is taken: an RRT's first path may be a long way round.
 const SEARCHES: u64 = 6;
 
 /// One phase of a plan before its start time is known.
+#[derive(Clone, Debug)]
 pub(super) struct Draft {
     pub(super) kind: PhaseKind,
     pub(super) trajectory: Trajectory,
     pub(super) carries: bool,
     pub(super) manipulability: Vec<f64>,
     pub(super) clearance_m: Vec<f64>,
+}
+
+impl Draft {
+    /// The same state for a while, then another motion: one phase.
+    pub(super) fn then(mut self, rest_s: f64, next: &Self) -> Self {
+        let sample_s = TimingSettings::default().sample_s;
+        let samples = libm::ceil(rest_s / sample_s).max(0.0) as usize;
+        let mut push = |q: &[f64], m: f64, clearance_m: f64| {
+            self.trajectory.times_s.push(self.trajectory.positions.len() as f64 * sample_s);
+            self.trajectory.positions.push(q.to_vec());
+            self.manipulability.push(m);
+            self.clearance_m.push(clearance_m);
+        };
+        let last = next.trajectory.positions.first().cloned().unwrap_or_default();
+        let (m, clearance_m) = (next.manipulability[0], next.clearance_m[0]);
+        for _ in 0..samples {
+            push(&last, m, clearance_m);
+        }
+        for k in 1..next.trajectory.positions.len() {
+            push(&next.trajectory.positions[k], next.manipulability[k], next.clearance_m[k]);
+        }
+        self
+    }
 }
 
 /// Plans single motions of one arm; every failure is a sentence for a person.
@@ -35,9 +61,9 @@ pub(super) struct Mover<'a> {
 
 impl Mover<'_> {
     /// Straight back along the approach direction, as far as there is room, at least the shortest way that counts.
-    pub(super) fn back_off(&self, space: &ArmSpace, q: &[f64], X_WH: &Isometry3<f64>) -> Result<Path, String> {
+    pub(super) fn back_off(&self, space: &ArmSpace, q: &[f64], X_WH: &Isometry3<f64>) -> Result<Path, Blocked> {
         let (full, least) = (self.settings.approach_m, self.settings.min_approach_m);
-        let mut reason = String::new();
+        let mut reason = Blocked::default();
         for length_m in [full, 0.5 * (full + least), least] {
             let X_WH_end = X_WH * Translation3::new(0.0, 0.0, -length_m);
             match self.straight(space, q, X_WH, &X_WH_end) {
@@ -49,32 +75,33 @@ impl Mover<'_> {
     }
 
     /// Straight up from the hand pose.
-    pub(super) fn rise(&self, space: &ArmSpace, q: &[f64], X_WH: &Isometry3<f64>) -> Result<Path, String> {
+    pub(super) fn rise(&self, space: &ArmSpace, q: &[f64], X_WH: &Isometry3<f64>) -> Result<Path, Blocked> {
         let up = Translation3::from(Vector3::z() * self.settings.lift_m);
         self.straight(space, q, X_WH, &(up * X_WH))
     }
 
-    fn straight(
+    /// The hand on a straight line from pose to pose, staying on one branch of the inverse kinematics.
+    pub(super) fn straight(
         &self,
         space: &ArmSpace,
         q: &[f64],
         X_WH: &Isometry3<f64>,
         X_WH_end: &Isometry3<f64>,
-    ) -> Result<Path, String> {
+    ) -> Result<Path, Blocked> {
         let X_WB = self.cell.robot.link_poses(&self.cell.q_start)[self.cell.arm().base_link];
         let poses = straight_line(X_WH, X_WH_end, STRAIGHT_STEP_M, STRAIGHT_STEP_RAD);
         let near_ik = |X_WH: &Isometry3<f64>, near: &[f64]| self.cell.ik.near(&X_WB.inv_mul(X_WH), near);
-        follow_poses(space, q, &poses, &near_ik, &CartesianSettings::default()).map_err(|stop| stop_reason(&stop))
+        follow_poses(space, q, &poses, &near_ik, &CartesianSettings::default()).map_err(|stop| stopped(&stop, q))
     }
 
     /// A searched and shortened way to any of the goals, and which one it is.
-    pub(super) fn search(&self, space: &ArmSpace, start: &[f64], goals: &[Vec<f64>]) -> Result<(Path, usize), String> {
+    pub(super) fn search(&self, space: &ArmSpace, start: &[f64], goals: &[Vec<f64>]) -> Result<(Path, usize), Blocked> {
         let mut best: Option<(Path, usize)> = None;
         for attempt in 0..SEARCHES {
             let seed = self.seed.wrapping_add(attempt);
             let outcome = plan_path(space, start, goals, &BirrtSettings::default(), seed, &self.watch);
             let PlanOutcome::Found(found) = outcome else {
-                return best.ok_or_else(|| outcome_reason(outcome));
+                return best.ok_or_else(|| not_found(outcome, space, start, goals));
             };
             let path = shorten(space, &found.path, &ShortcutSettings::default(), seed, &self.watch);
             if best.as_ref().is_none_or(|(shortest, _)| path.length_rad() < shortest.length_rad()) {
@@ -84,7 +111,7 @@ impl Mover<'_> {
                 break; // straight there: no search makes it shorter
             }
         }
-        best.ok_or_else(|| "stopped".to_owned())
+        best.ok_or_else(|| Blocked::because("stopped"))
     }
 
     /// The phase that moves the arm along a path with the fingers at rest.
@@ -95,14 +122,16 @@ impl Mover<'_> {
         path: &Path,
         fingers: &[f64],
         carries: bool,
-    ) -> Result<Draft, String> {
+    ) -> Result<Draft, Blocked> {
         let limits = MotionLimits::of(space);
         let timing = TimingSettings {
             velocity_scale: self.settings.velocity_scale,
             acceleration_scale: self.settings.acceleration_scale,
+            jerk_scale: self.settings.jerk_scale,
             ..TimingSettings::default()
         };
-        let mut trajectory = time_path(space, path, &limits, &timing).map_err(|error| error.to_string())?;
+        let mut trajectory =
+            time_path(space, path, &limits, &timing).map_err(|error| Blocked::because(error.to_string()))?;
         let mut scratch = Scratch::default();
         let clearance_m =
             trajectory.positions.iter().map(|q| space.checker.distance(&mut scratch, q).distance_m).collect();
@@ -161,27 +190,44 @@ pub(super) fn joined(first: &Path, second: &Path) -> Path {
 }
 
 /// Why a search found nothing, for a person.
-fn outcome_reason(outcome: PlanOutcome) -> String {
+fn not_found(outcome: PlanOutcome, space: &ArmSpace, start: &[f64], goals: &[Vec<f64>]) -> Blocked {
     match outcome {
-        PlanOutcome::StartInvalid { fault } => format!("the start posture: {fault}"),
-        PlanOutcome::StartInCollision { pair } => format!("in the start posture {} hits {}", pair.a, pair.b),
-        PlanOutcome::GoalsInvalid { count, .. } => format!("none of {count} goals is within the joint limits"),
-        PlanOutcome::GoalsInCollision { first, count } => {
-            format!("at all {count} goals something is hit, first {} and {}", first.a, first.b)
+        PlanOutcome::StartInvalid { fault } => Blocked::because(format!("the start posture: {fault}")),
+        PlanOutcome::StartInCollision { pair } => {
+            Blocked::at(format!("in the start posture {} hits {}", pair.a, pair.b), &pair, start)
         }
-        PlanOutcome::NoPath { nodes, iterations, nearest_gap_rad } => format!(
-            "no path among {nodes} nodes after {iterations} draws; the trees stayed {nearest_gap_rad:.2} rad apart"
-        ),
-        PlanOutcome::Found(_) | PlanOutcome::Stopped => "stopped".into(),
+        PlanOutcome::GoalsInvalid { count, .. } => {
+            Blocked::because(format!("none of {count} goals is within the joint limits"))
+        }
+        PlanOutcome::GoalsInCollision { first, count } => {
+            let reason = format!("at all {count} goals something is hit, first {} and {}", first.a, first.b);
+            Blocked::at(reason, &first, goals.first().map_or(&[], Vec::as_slice))
+        }
+        PlanOutcome::NoPath(NoPath { nodes, iterations, nearest_gap_rad, nearest, .. }) => {
+            let between = nearest.and_then(|[from, to]| {
+                let blocked = space.edge_hit(&mut Scratch::default(), &from, &to)?;
+                Some((blocked.hit, from))
+            });
+            let reason = format!(
+                "no path among {nodes} nodes after {iterations} draws; the trees stayed {nearest_gap_rad:.2} rad apart"
+            );
+            match between {
+                Some((hit, q)) => Blocked::at(format!("{reason}, where {hit}"), &hit, &q),
+                None => Blocked::because(reason),
+            }
+        }
+        PlanOutcome::Found(_) | PlanOutcome::Stopped => Blocked::because("stopped"),
     }
 }
 
-fn stop_reason(stop: &CartesianStop) -> String {
+fn stopped(stop: &CartesianStop, q: &[f64]) -> Blocked {
     let share = 100 * stop.pose / stop.poses.max(1);
     match &stop.reason {
-        StopReason::Invalid(fault) => fault.to_string(),
-        StopReason::NoIk => format!("out of reach after {share} % of the way"),
-        StopReason::Jump { joint, .. } => format!("{joint} would have to jump after {share} % of the way"),
-        StopReason::Blocked(hit) => format!("{} hits {}", hit.a, hit.b),
+        StopReason::Invalid(fault) => Blocked::because(fault.to_string()),
+        StopReason::NoIk => Blocked::because(format!("out of reach after {share} % of the way")),
+        StopReason::Jump { joint, .. } => {
+            Blocked::because(format!("{joint} would have to jump after {share} % of the way"))
+        }
+        StopReason::Blocked(hit) => Blocked::at(format!("{} hits {}", hit.a, hit.b), hit, q),
     }
 }

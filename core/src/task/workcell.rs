@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::Isometry3;
 
-use super::{Leg, PhaseKind, Plan};
+use super::{Leg, Phase, PhaseKind, Plan};
 use crate::collision::{
     CarriedObject, Checker, CollisionError, CollisionModel, ConvexHull, Exhaustive, MayTouch, Party, World,
 };
@@ -12,6 +12,7 @@ use crate::grasp::{Grasp, HandModel};
 use crate::plan::{WalkHit, walk};
 use crate::robot::ik::ArmIk;
 use crate::robot::{Arm, ChainError, Robot};
+use crate::scene::Action;
 
 /// What reasons call the object that is grasped.
 pub const TARGET: &str = "object";
@@ -21,6 +22,7 @@ const OPEN_FINGER_DEPTH_M: f64 = 0.002;
 const REST_DEPTH_M: f64 = 0.012;
 
 /// One arm of a robot in front of a scene, with one object to handle.
+#[derive(Clone)]
 pub struct Workcell {
     /// The robot.
     pub robot: Arc<Robot>,
@@ -40,8 +42,31 @@ pub struct Workcell {
     pub target_O: Vec<ConvexHull>,
     /// Pose of O in the world where the object stands now.
     pub X_WO_start: Isometry3<f64>,
-    /// Pose of O where it shall be put, if anywhere.
-    pub X_WO_goal: Option<Isometry3<f64>>,
+    /// Places that O goes to, one after the other.
+    pub stops: Vec<Stop>,
+}
+
+/// A place that the object goes to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stop {
+    /// What happens there.
+    pub action: Action,
+    /// Poses of O in the world that will do, the wanted one first.
+    pub poses_WO: Vec<Isometry3<f64>>,
+    /// On the way there, the axis that was upright at the start stays within this of the vertical, rad.
+    pub keep_upright_rad: Option<f64>,
+}
+
+impl Stop {
+    /// The object is put down, nowhere yet.
+    pub fn put() -> Self {
+        Self { action: Action::Put, poses_WO: Vec::new(), keep_upright_rad: None }
+    }
+
+    /// Whether the object is let go here, which ends a leg.
+    pub fn lets_go(&self) -> bool {
+        matches!(self.action, Action::Put | Action::Slide)
+    }
 }
 
 /// What surrounds the arm while it moves: what stands, what is carried, what may touch.
@@ -78,6 +103,22 @@ impl Workcell {
     /// The arm that acts.
     pub fn arm(&self) -> &Arm {
         &self.robot.arms[self.arm_index]
+    }
+
+    /// The places up to the first at which the object is let go: what one grasp has to serve.
+    pub fn leg(&self) -> &[Stop] {
+        let count = self.stops.iter().position(Stop::lets_go).map_or(self.stops.len(), |index| index + 1);
+        &self.stops[..count]
+    }
+
+    /// The wanted pose at the last stop.
+    pub fn X_WO_goal(&self) -> Option<Isometry3<f64>> {
+        self.stops.last().and_then(|stop| stop.poses_WO.first()).copied()
+    }
+
+    /// The same robot and obstacles for an object that stands elsewhere, the arm being where `q_start` says.
+    pub fn later(&self, X_WO_start: Isometry3<f64>, stops: &[Stop], q_start: Vec<f64>) -> Self {
+        Self { X_WO_start, stops: stops.to_vec(), q_start, ..self.clone() }
     }
 
     /// All joints with the hand's fingers at these positions.
@@ -142,7 +183,8 @@ impl Workcell {
             PhaseKind::Close => self.grasping(X_WO_start, &grasp.closed),
             PhaseKind::Lift => self.carrying(grasp, &self.supports(X_WO_start)),
             PhaseKind::Transport | PhaseKind::Pour => self.carrying(grasp, &[]),
-            PhaseKind::Slide | PhaseKind::Place => self.carrying(grasp, &self.supports(X_WO_end)),
+            PhaseKind::Slide => self.carrying(grasp, &self.all_supports(&[*X_WO_start, *X_WO_end])),
+            PhaseKind::Place => self.carrying(grasp, &self.supports(X_WO_end)),
             PhaseKind::Open => self.grasping(X_WO_end, &grasp.closed),
             PhaseKind::Retreat => self.approaching(X_WO_end),
         }
@@ -164,13 +206,36 @@ impl Workcell {
     /// As [`Workcell::approaching`].
     pub fn rewalk(&self, plan: &Plan, density: usize) -> Result<Option<(PhaseKind, WalkHit)>, CollisionError> {
         for phase in plan.phases.iter().filter(|phase| !phase.kind.is_of_fingers()) {
-            let Situation { world, carried, may_touch, q_rest } = self.situation(phase.kind, &plan.legs[phase.leg])?;
-            let judge = Exhaustive::new(&self.model, &world, carried.as_ref(), &may_touch)?;
-            if let Some(hit) = walk(&judge, &plan.dofs, &q_rest, &phase.trajectory, density) {
+            if let Some(hit) = self.rewalk_phase(plan, phase, density)? {
                 return Ok(Some((phase.kind, hit)));
             }
         }
         Ok(None)
+    }
+
+    /// As [`Workcell::rewalk`], one phase of the plan.
+    ///
+    /// # Errors
+    /// As [`Workcell::approaching`].
+    pub fn rewalk_phase(&self, plan: &Plan, phase: &Phase, density: usize) -> Result<Option<WalkHit>, CollisionError> {
+        let Situation { world, carried, may_touch, q_rest } = self.situation(phase.kind, &plan.legs[phase.leg])?;
+        let judge = Exhaustive::new(&self.model, &world, carried.as_ref(), &may_touch)?;
+        Ok(walk(&judge, &plan.dofs, &q_rest, &phase.trajectory, density))
+    }
+
+    /// As [`Workcell::supports`], of several poses together.
+    pub fn all_supports(&self, poses_WO: &[Isometry3<f64>]) -> Vec<String> {
+        let mut names: Vec<String> = poses_WO.iter().flat_map(|X_WO| self.supports(X_WO)).collect();
+        names.sort();
+        names.dedup();
+        names
+    }
+
+    /// What the object itself would be inside of at a pose, by more than a rest on it explains: its name and how deep,
+    /// metres.
+    pub fn object_hits(&self, X_WO: &Isometry3<f64>) -> Option<(String, f64)> {
+        let near = self.target_O.iter().flat_map(|piece_O| self.world.near_hull(piece_O, X_WO, -REST_DEPTH_M));
+        near.map(|(name, distance_m)| (name, -distance_m)).max_by(|l, r| l.1.total_cmp(&r.1))
     }
 
     /// Names of everything that the object rests on, or nearly so, when it stands at `X_WO`.

@@ -249,6 +249,8 @@ pub(super) fn objectives(revision: u64) -> Vec<Update> {
 
 fn candidates() -> Vec<Grasp> {
     let situated = |m_g: f64, ik_count: usize| Situated {
+        X_WO: Isometry3::identity(),
+        poses: 1,
         m_g,
         ik_count,
         with_ways: Vec::new(),
@@ -319,6 +321,7 @@ fn candidates() -> Vec<Grasp> {
                 clearance_m: (i < 80).then(|| 0.012 + 0.001 * rank.sin()),
                 score: (i < 37).then(score),
                 start,
+                via: Vec::new(),
                 goal,
                 status,
             }

@@ -17,7 +17,7 @@ use crate::job::Refusal;
 use crate::parallel;
 use crate::pipeline::{grasp_candidates, ranked, workcell};
 use crate::scene::Scene;
-use crate::task::{MotionSettings, PickAndPlace, Workcell, plan_pick_and_place};
+use crate::task::{LegTask, MotionSettings, Workcell, plan_leg};
 use crate::watch::Watch;
 
 /// Draws per wanted case before the experiment is refused: far more than the robots' tables need.
@@ -195,9 +195,9 @@ impl Series<'_> {
 
 /// Plans with one grasp: seconds, and where it failed if it did.
 fn attempt(cell: &Workcell, grasp: &Grasp, seed: u64, watch: Watch<'_>) -> (f64, Option<Setback>) {
-    let task = PickAndPlace { cell, ranked: std::slice::from_ref(grasp), chosen: Some(grasp.id), seed };
+    let task = LegTask { cell, ranked: std::slice::from_ref(grasp), chosen: Some(grasp.id), seed };
     let begin_ms = watch.now_ms();
-    let planned = plan_pick_and_place(&task, &MotionSettings::default(), watch);
+    let planned = plan_leg(&task, &MotionSettings::default(), watch);
     let time_s = (watch.now_ms() - begin_ms) * 1e-3;
     (time_s, planned.err().map(|refusal| Setback::of(&refusal)))
 }
@@ -257,11 +257,11 @@ mod tests {
         let target = fits.fits[0].as_ref().unwrap();
         let grasps = grasp_candidates(&cell, target, Touched::Bodies, &case.scene.grasp).unwrap();
         let ranked = ranked(&cell, &grasps, target, &case.scene, Watch::idle()).unwrap();
-        let task = PickAndPlace { cell: &cell, ranked: &ranked, chosen: None, seed: case.scene.seed };
-        let plan = plan_pick_and_place(&task, &MotionSettings::default(), Watch::idle()).unwrap();
+        let task = LegTask { cell: &cell, ranked: &ranked, chosen: None, seed: case.scene.seed };
+        let plan = plan_leg(&task, &MotionSettings::default(), Watch::idle()).unwrap();
         assert_eq!(plan.tries.len() + 1, by_goal.tried);
         assert_eq!(ranked[0].id, by_goal.grasp.unwrap());
-        assert_eq!(plan.grasp().id == ranked[0].id, by_goal.is_one_shot());
+        assert_eq!(plan.leg.grasp.id == ranked[0].id, by_goal.is_one_shot());
     }
 
     #[test]

@@ -71,14 +71,12 @@ pub(super) struct Setback {
 }
 
 impl Setback {
-    /// What a refusal says of its only grasp: `grasp 12: transport: no path …`.
+    /// What a refusal says of its only grasp.
     pub(super) fn of(refusal: &Refusal) -> Self {
-        let said = refusal.details.first().unwrap_or(&refusal.message);
-        let mut parts = said.splitn(3, ": ");
-        match (parts.next(), parts.next(), parts.next()) {
-            (Some(_), Some(phase), Some(reason)) => Self { phase: phase.to_owned(), reason: reason.to_owned() },
-            _ => Self { phase: String::new(), reason: said.clone() },
-        }
+        let tried = refusal.tries.first();
+        let phase = tried.and_then(|tried| tried.phase).map_or_else(String::new, |phase| phase.name().to_owned());
+        let reason = tried.map_or(&refusal.message, |tried| &tried.reason).clone();
+        Self { phase, reason }
     }
 }
 

@@ -31,6 +31,7 @@ fn grasps(fingers: usize) -> Vec<Grasp> {
         clearance_m: Some(0.012),
         score: None,
         start: Some(set.clone()),
+        via: Vec::new(),
         goal: Some(Situated { m_g: 1e-7, ..set }),
         status: GraspStatus::Accepted,
     };

@@ -1,0 +1,189 @@
+//! The phases of a leg with one grasp.
+
+use nalgebra::{Isometry3, Translation3};
+
+use super::motion::{Draft, Mover, joined, reversed};
+use super::setback::{Blocked, Setback};
+use super::ways::{Ways, picks, pours, slides, upright_again};
+use super::{PhaseKind, Route, Situation, Stop};
+use crate::collision::CollisionError;
+use crate::grasp::{Grasp, Situated};
+use crate::plan::{ArmSpace, Path};
+use crate::scene::Action;
+
+/// The phases of a leg, untimed as a whole.
+pub(super) struct Done {
+    pub(super) drafts: Vec<Draft>,
+    pub(super) X_WO_end: Isometry3<f64>,
+    pub(super) routes: Vec<Route>,
+}
+
+/// The phases of the leg's stops with a grasp.
+pub(super) fn phases_with(mover: &Mover<'_>, grasp: &Grasp) -> Result<Done, Setback> {
+    let mut leg = LegWith { mover, grasp, drafts: Vec::new(), routes: Vec::new() };
+    let stops = mover.cell.leg();
+    let sets: Vec<&Situated> = grasp.stops().collect();
+    if sets.len() != stops.len() {
+        let found = sets.len();
+        let reason = format!("the grasp was looked at for {found} stops, the task has {}", stops.len());
+        return Err(Blocked::because(reason).in_phase(PhaseKind::Reach, false));
+    }
+    if let (Some(Action::Slide), Some(set)) = (stops.first().map(|stop| stop.action), sets.first()) {
+        leg.slide(set)?;
+        return Ok(Done { drafts: leg.drafts, X_WO_end: set.X_WO, routes: leg.routes });
+    }
+    let mut q = leg.pick()?;
+    let mut X_WO_end = Translation3::new(0.0, 0.0, mover.settings.lift_m) * mover.cell.X_WO_start;
+    for (stop, set) in stops.iter().zip(sets) {
+        match stop.action {
+            Action::Pour { hold_s } => {
+                q = leg.pour(stop, set, hold_s, &q)?;
+                X_WO_end = upright_again(&set.X_WO, &mover.cell.X_WO_start);
+            }
+            Action::Put | Action::Slide => {
+                leg.put(stop, set, &q)?;
+                X_WO_end = set.X_WO;
+            }
+        }
+    }
+    Ok(Done { drafts: leg.drafts, X_WO_end, routes: leg.routes })
+}
+
+struct LegWith<'a> {
+    mover: &'a Mover<'a>,
+    grasp: &'a Grasp,
+    drafts: Vec<Draft>,
+    routes: Vec<Route>,
+}
+
+impl LegWith<'_> {
+    fn space(&self, phase: PhaseKind, situation: Result<Situation, CollisionError>) -> Result<ArmSpace, Setback> {
+        let cell = self.mover.cell;
+        let checker = situation.and_then(|situation| cell.checker(&situation));
+        let space = checker.and_then(|checker| ArmSpace::new(&cell.robot, cell.arm_index, checker));
+        space.map_err(|error| Setback::of(phase, &error))
+    }
+
+    fn carrying(&self, phase: PhaseKind, at: &[Isometry3<f64>]) -> Result<ArmSpace, Setback> {
+        let cell = self.mover.cell;
+        self.space(phase, cell.carrying(self.grasp, &cell.all_supports(at)))
+    }
+
+    fn empty_handed(&self, phase: PhaseKind, X_WO: &Isometry3<f64>) -> Result<ArmSpace, Setback> {
+        self.space(phase, self.mover.cell.approaching(X_WO))
+    }
+
+    fn start(&self) -> Result<&Situated, Setback> {
+        let none = || Blocked::because("no configuration of the arm").in_phase(PhaseKind::Reach, false);
+        self.grasp.start.as_ref().ok_or_else(none)
+    }
+
+    /// Moves the arm along a path as one phase.
+    fn along(&mut self, kind: PhaseKind, space: &ArmSpace, path: &Path, carries: bool) -> Result<(), Setback> {
+        let draft = self.draft(kind, space, path, carries)?;
+        self.drafts.push(draft);
+        Ok(())
+    }
+
+    fn draft(&self, kind: PhaseKind, space: &ArmSpace, path: &Path, carries: bool) -> Result<Draft, Setback> {
+        let fingers = if carries { &self.grasp.closed } else { &self.mover.cell.hand.open };
+        self.mover.along(kind, space, path, fingers, carries).map_err(|blocked| blocked.in_phase(kind, carries))
+    }
+
+    /// A searched way to one of the places, as one phase; which place it is.
+    fn search(
+        &mut self,
+        kind: PhaseKind,
+        space: &ArmSpace,
+        from: &[f64],
+        goals: &[Vec<f64>],
+        carries: bool,
+    ) -> Result<(Path, usize), Setback> {
+        self.mover.search(space, from, goals).map_err(|blocked| blocked.in_phase(kind, carries))
+    }
+
+    /// Reach to one of the configurations that have ways, and close; which one it is.
+    fn reach_and_close(
+        &mut self,
+        approaching: &ArmSpace,
+        holding: &ArmSpace,
+        ways: &[&Ways],
+    ) -> Result<usize, Setback> {
+        let cell = self.mover.cell;
+        let goals: Vec<Vec<f64>> = ways.iter().filter_map(|ways| ways.back.points.last().cloned()).collect();
+        let arm_start: Vec<f64> = cell.arm().dofs.iter().map(|&dof| cell.q_start[dof]).collect();
+        let (reach, chosen) = self.search(PhaseKind::Reach, approaching, &arm_start, &goals, false)?;
+        let reach = joined(&reach, &reversed(&ways[chosen].back));
+        self.along(PhaseKind::Reach, approaching, &reach, false)?;
+        let (open, closed) = (&cell.hand.open, &self.grasp.closed);
+        self.drafts.push(self.mover.fingers(PhaseKind::Close, holding, &ways[chosen].held, open, closed));
+        Ok(chosen)
+    }
+
+    fn open_and_retreat(&mut self, leaving: &ArmSpace, q: &[f64], back: &Path) -> Result<(), Setback> {
+        let (open, closed) = (&self.mover.cell.hand.open, &self.grasp.closed);
+        self.drafts.push(self.mover.fingers(PhaseKind::Open, leaving, q, closed, open));
+        self.along(PhaseKind::Retreat, leaving, back, false)
+    }
+
+    /// Reach, close, lift; where the arm is then.
+    fn pick(&mut self) -> Result<Vec<f64>, Setback> {
+        let X_WO = self.mover.cell.X_WO_start;
+        let approaching = self.empty_handed(PhaseKind::Reach, &X_WO)?;
+        let lifting = self.carrying(PhaseKind::Lift, &[X_WO])?;
+        let X_WH = X_WO * self.grasp.X_OH;
+        let ways =
+            picks(self.mover, self.start()?, &X_WH, (PhaseKind::Reach, &approaching), (PhaseKind::Lift, &lifting))?;
+        let chosen = self.reach_and_close(&approaching, &lifting, &ways.iter().collect::<Vec<_>>())?;
+        self.along(PhaseKind::Lift, &lifting, &ways[chosen].with_object, true)?;
+        Ok(ways[chosen].entry().to_vec())
+    }
+
+    /// Carry it there, lower it, let go.
+    fn put(&mut self, stop: &Stop, set: &Situated, from: &[f64]) -> Result<(), Setback> {
+        let X_WO = set.X_WO;
+        let leaving = self.empty_handed(PhaseKind::Retreat, &X_WO)?;
+        let placing = self.carrying(PhaseKind::Place, &[X_WO])?;
+        let X_WH = X_WO * self.grasp.X_OH;
+        let ways = picks(self.mover, set, &X_WH, (PhaseKind::Retreat, &leaving), (PhaseKind::Place, &placing))?;
+        let chosen = self.transport(stop, from, &ways)?;
+        self.along(PhaseKind::Place, &placing, &ways[chosen].inwards(), true)?;
+        self.open_and_retreat(&leaving, &ways[chosen].held, &ways[chosen].back)
+    }
+
+    /// Carry it there, tilt it, wait, turn it back; where the arm is then.
+    fn pour(&mut self, stop: &Stop, set: &Situated, hold_s: f64, from: &[f64]) -> Result<Vec<f64>, Setback> {
+        let carrying = self.carrying(PhaseKind::Pour, &[])?;
+        let X_WO_upright = upright_again(&set.X_WO, &self.mover.cell.X_WO_start);
+        let ways = pours(self.mover, set, &self.grasp.X_OH, &X_WO_upright, &carrying)?;
+        let chosen = self.transport(stop, from, &ways)?;
+        let tilt = self.draft(PhaseKind::Pour, &carrying, &ways[chosen].inwards(), true)?;
+        let tilt_back = self.draft(PhaseKind::Pour, &carrying, &ways[chosen].with_object, true)?;
+        self.drafts.push(tilt.then(hold_s, &tilt_back));
+        Ok(ways[chosen].entry().to_vec())
+    }
+
+    /// Carry it to one of the places; which one it is.
+    fn transport(&mut self, _stop: &Stop, from: &[f64], ways: &[Ways]) -> Result<usize, Setback> {
+        let carrying = self.carrying(PhaseKind::Transport, &[])?;
+        let goals: Vec<Vec<f64>> = ways.iter().map(|ways| ways.entry().to_vec()).collect();
+        let (path, chosen) = self.search(PhaseKind::Transport, &carrying, from, &goals, true)?;
+        self.along(PhaseKind::Transport, &carrying, &path, true)?;
+        Ok(chosen)
+    }
+
+    /// Reach, close, push along the table, let go.
+    fn slide(&mut self, set: &Situated) -> Result<(), Setback> {
+        let (X_WO_start, X_WO_end) = (self.mover.cell.X_WO_start, set.X_WO);
+        let approaching = self.empty_handed(PhaseKind::Reach, &X_WO_start)?;
+        let sliding = self.carrying(PhaseKind::Slide, &[X_WO_start, X_WO_end])?;
+        let leaving = self.empty_handed(PhaseKind::Retreat, &X_WO_end)?;
+        let spaces = [&approaching, &sliding, &leaving];
+        let found = slides(self.mover, self.start()?, &self.grasp.X_OH, [&X_WO_start, &X_WO_end], spaces)?;
+        let ways: Vec<&Ways> = found.iter().map(|(ways, _)| ways).collect();
+        let chosen = self.reach_and_close(&approaching, &sliding, &ways)?;
+        let (ways, leave) = &found[chosen];
+        self.along(PhaseKind::Slide, &sliding, &ways.with_object, true)?;
+        self.open_and_retreat(&leaving, ways.entry(), leave)
+    }
+}
