@@ -45,6 +45,8 @@ pub struct Content<'a> {
     /// Pose of the object frame at the start and, if there is one, at the goal.
     pub X_WO_start: Option<Isometry3<f64>>,
     pub X_WO_goal: Option<Isometry3<f64>>,
+    /// Poses of the object frame at the ends of the earlier steps of the task.
+    pub X_WO_between: Vec<Isometry3<f64>>,
     /// Where the object is now.
     pub X_WO: Option<Isometry3<f64>>,
     pub plan: Option<&'a Arc<Plan>>,
@@ -228,7 +230,8 @@ impl Composer {
             let X_WS = fit.superquadric.X_FS;
             let is_target = cluster == fits.target;
             let X_WO = input.X_WO.filter(|_| is_target).unwrap_or(X_WS);
-            let X_WO_goal = input.X_WO_goal.filter(|_| is_target && examined.is_none());
+            let goals = input.X_WO_goal.iter().chain(&input.X_WO_between);
+            let goals: Vec<&Isometry3<f64>> = goals.filter(|_| is_target && examined.is_none()).collect();
             let name = match input.scene.object_at(&X_WS) {
                 _ if is_target => TARGET.to_owned(),
                 Some(placed) => placed.object.clone(),
@@ -258,10 +261,17 @@ impl Composer {
                         pick_id: pick.id(),
                     });
                 }
-                if let Some(X_WO) = X_WO_goal.filter(|_| input.layers.opacity(Layer::Goal) > 0.0) {
+                for X_WO in goals.iter().filter(|_| input.layers.opacity(Layer::Goal) > 0.0) {
                     let mut color = palette.goal;
                     color[3] *= input.layers.opacity(Layer::Goal);
-                    frame.meshes.push(MeshDraw { mesh, X_WM: X_WO * X_OP, color, surface: Surface::Ghost, pick_id: 0 });
+                    let mesh = mesh.clone();
+                    frame.meshes.push(MeshDraw {
+                        mesh,
+                        X_WM: *X_WO * X_OP,
+                        color,
+                        surface: Surface::Ghost,
+                        pick_id: 0,
+                    });
                 }
             }
         }

@@ -66,6 +66,7 @@ impl Studio for BuiltInStudio {
         let grasps = outputs.candidates();
         let under_way = matches!(input.posture, Posture::Plan { time_s } if time_s > 0.0);
         let has_goal = outputs.grasps.as_ref().is_some_and(|g| g.X_WO_goal.is_some());
+        let (X_WO_goal, X_WO_between) = goals(input);
         let content = Content {
             scene: input.scene,
             robot: &robot,
@@ -75,7 +76,8 @@ impl Studio for BuiltInStudio {
             fits: outputs.fit.as_deref(),
             grasps: if under_way { &[] } else { grasps },
             X_WO_start: outputs.grasps.as_ref().map(|g| g.X_WO_start),
-            X_WO_goal: outputs.grasps.as_ref().and_then(|g| g.X_WO_goal),
+            X_WO_goal,
+            X_WO_between,
             X_WO: state.X_WO,
             plan: outputs.plan.as_ref().map(|plan| &plan.value),
             motion: motion_content(input),
@@ -106,6 +108,25 @@ impl Studio for BuiltInStudio {
         });
         Picture { frame, labels: labels(input, &content), scale, legend: None, bounds: Some(workspace(input)) }
     }
+}
+
+/// Where the task wants the object frame last, and before that: as the pipeline found it, or as the scene has it while
+/// a goal is on its way.
+fn goals(input: &ComposeInput<'_>) -> (Option<Isometry3<f64>>, Vec<Isometry3<f64>>) {
+    let Some(found) = &input.outputs.grasps else { return (None, Vec::new()) };
+    let task = &input.scene.task;
+    let Some(placed) = input.scene.objects.get(task.object) else { return (found.X_WO_goal, Vec::new()) };
+    let moved = |step: &endcomfort_core::scene::Step| {
+        if input.document.cloud.is_some() {
+            let shift = step.X_WO_goal.translation.vector - placed.X_WO.translation.vector;
+            nalgebra::Translation3::from(shift) * found.X_WO_start
+        } else {
+            step.X_WO_goal * placed.X_WO.inverse() * found.X_WO_start
+        }
+    };
+    let mut poses: Vec<Isometry3<f64>> = task.steps.iter().map(moved).collect();
+    let last = poses.pop();
+    (if found.revision == input.revision { found.X_WO_goal } else { last }, poses)
 }
 
 /// How the plan is examined.
@@ -245,7 +266,14 @@ fn labels(input: &ComposeInput<'_>, content: &Content<'_>) -> Vec<Label> {
         };
         labels.push(Label { p_W: top_of(fit, &X_WS), text, tone });
         if let Some(X_WO_goal) = content.X_WO_goal.filter(|_| is_target && input.layers.opacity(Layer::Goal) > 0.0) {
-            labels.push(Label { p_W: top_of(fit, &X_WO_goal), text: "goal".into(), tone: Tone::Goal });
+            let count = content.X_WO_between.len();
+            let goals = content.X_WO_between.iter().chain([&X_WO_goal]).enumerate();
+            // Where the goal can be moved, there is no room for a word.
+            let goals = goals.filter(|(step, _)| Some(*step) != input.planning.goal_step);
+            labels.extend(goals.map(|(step, X_WO)| {
+                let text = if count == 0 { "goal".to_owned() } else { format!("goal {}", step + 1) };
+                Label { p_W: top_of(fit, X_WO), text, tone: Tone::Goal }
+            }));
         }
     }
     labels

@@ -208,7 +208,8 @@ impl Composer {
         let object = self.object_bodies(input);
         let moving = motion.moving();
         let whole_m = motion.poses().last().map_or(0.0, |pose| pose.way_m);
-        let count = ((whole_m / swept::VOXEL_M).ceil() as usize).max(2).min(FINE as usize);
+        // Steps of two voxels: each covers a neighbourhood of three.
+        let count = ((whole_m / (2.0 * swept::VOXEL_M)).ceil() as usize).max(2).min(FINE as usize);
         let poses = motion.evenly(count);
         let placed: Vec<Vec<Isometry3<f64>>> = poses.iter().map(|pose| input.robot.link_poses(&pose.q)).collect();
         let (mut clouds, mut places) = (Vec::new(), Vec::new());

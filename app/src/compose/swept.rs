@@ -1,14 +1,14 @@
 //! The space that bodies sweep: voxels that their surfaces pass, blurred and wrapped in one smooth skin.
 //!
-//! The skin lies up to one voxel outside the bodies: it is a picture, not a proof of free space.
+//! The skin lies up to two voxels outside the bodies: it is a picture, not a proof of free space.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use endcomfort_core::mesh::Mesh;
 use nalgebra::{Isometry3, Point3, Vector3};
 
 /// Edge of a voxel, metres: finer than a finger is thick.
-pub(super) const VOXEL_M: f64 = 0.014;
+pub(super) const VOXEL_M: f64 = 0.016;
 /// Share of a voxel's neighbourhood that is filled where the skin lies: a sheet of one voxel fills a third.
 const SKIN: f32 = 0.2;
 /// Most voxels: beyond that (a robot the size of a crane) there is no skin.
@@ -27,7 +27,7 @@ pub(super) fn surface_points(mesh: &Mesh, X_LM: &Isometry3<f64>) -> Vec<Point3<f
             for j in 0..=steps - i {
                 let (u, v) = (f64::from(i) / f64::from(steps), f64::from(j) / f64::from(steps));
                 let point = X_LM * (a + u * (b - a) + v * (c - a));
-                let cell = point.coords.map(|x| (x / (0.8 * VOXEL_M)).floor() as i32);
+                let cell = point.coords.map(|x| (x / VOXEL_M).floor() as i32);
                 if cells.insert([cell.x, cell.y, cell.z]) {
                     points.push(point);
                 }
@@ -82,16 +82,26 @@ impl Grid {
 
 /// The skin around everything that points sweep: `clouds` in their own frames, `poses` of each frame in the world.
 pub(super) fn skin(clouds: &[Vec<Point3<f64>>], poses: &[Vec<Isometry3<f64>>]) -> Option<Mesh> {
-    let everywhere = || {
-        clouds
-            .iter()
-            .zip(poses)
-            .flat_map(|(cloud, poses)| poses.iter().flat_map(move |X_WL| cloud.iter().map(move |p_L| X_WL * p_L)))
-    };
-    let start = (Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3]));
-    let (low, high) = everywhere().fold(start, |(low, high), p| (low.inf(&p), high.sup(&p)));
+    let mut bounds: Option<(Point3<f64>, Point3<f64>)> = None;
+    for (cloud, poses) in clouds.iter().zip(poses) {
+        let Some(first) = cloud.first() else { continue };
+        let (low, high) = cloud.iter().fold((*first, *first), |(low, high), p| (low.inf(p), high.sup(p)));
+        let (middle, radius_m) = (nalgebra::center(&low, &high), 0.5 * (high - low).norm());
+        for X_WL in poses {
+            let at = X_WL * middle;
+            let ball = (at - Vector3::repeat(radius_m), at + Vector3::repeat(radius_m));
+            bounds = Some(bounds.map_or(ball, |(low, high)| (low.inf(&ball.0), high.sup(&ball.1))));
+        }
+    }
+    let (low, high) = bounds?;
     let mut grid = Grid::around(&low, &high)?;
-    everywhere().for_each(|p_W| grid.fill(&p_W));
+    for (cloud, poses) in clouds.iter().zip(poses) {
+        for X_WL in poses {
+            let R_WL = X_WL.rotation.to_rotation_matrix();
+            let p_WL = Point3::from(X_WL.translation.vector);
+            cloud.iter().for_each(|p_L| grid.fill(&(p_WL + R_WL * p_L.coords)));
+        }
+    }
     grid.blur();
     Some(surface_nets(&grid))
 }
@@ -102,7 +112,9 @@ fn surface_nets(grid: &Grid) -> Mesh {
     let [nx, ny, nz] = grid.size;
     let strides = [1, nx, nx * ny];
     let mut mesh = Mesh::default();
-    let mut vertex_of: BTreeMap<usize, u32> = BTreeMap::new();
+    const NONE: u32 = u32::MAX;
+    let mut vertex_of = vec![NONE; grid.values.len()];
+    let mut cubes = Vec::new();
     let corner = |c: usize| [c & 1, c >> 1 & 1, c >> 2 & 1];
     for k in 0..nz - 1 {
         for j in 0..ny - 1 {
@@ -130,12 +142,13 @@ fn surface_nets(grid: &Grid) -> Mesh {
                     }
                 }
                 let at = Vector3::new(i as f64, j as f64, k as f64) + sum / cuts;
-                vertex_of.insert(index, mesh.positions.len() as u32);
+                vertex_of[index] = mesh.positions.len() as u32;
+                cubes.push(index);
                 mesh.positions.push(grid.origin + VOXEL_M * at);
             }
         }
     }
-    for &index in vertex_of.keys() {
+    for index in cubes {
         let is_inside = grid.values[index] > SKIN;
         for axis in 0..3 {
             // The edge from this voxel along an axis is shared by four cubes.
@@ -143,8 +156,10 @@ fn surface_nets(grid: &Grid) -> Mesh {
             if is_inside == (grid.values[index + strides[axis]] > SKIN) || index < u + v {
                 continue;
             }
-            let cubes = [index, index - u, index - u - v, index - v].map(|cube| vertex_of.get(&cube).copied());
-            let [Some(a), Some(b), Some(c), Some(d)] = cubes else { continue };
+            let [a, b, c, d] = [index, index - u, index - u - v, index - v].map(|cube| vertex_of[cube]);
+            if [a, b, c, d].contains(&NONE) {
+                continue;
+            }
             let [a, b, c, d] = if is_inside { [a, b, c, d] } else { [d, c, b, a] };
             mesh.triangles.extend([[a, b, c], [a, c, d]]);
         }
@@ -168,10 +183,10 @@ mod tests {
         let outer: Vec<&Point3<f64>> = mesh.positions.iter().filter(|p| from_axis(p) > radius_m - VOXEL_M).collect();
         assert!(outer.len() > 500);
         for p in outer {
-            assert!((from_axis(p) - radius_m).abs() < 1.6 * VOXEL_M, "{p} lies {} from the axis", from_axis(p));
+            assert!((from_axis(p) - radius_m).abs() < 2.0 * VOXEL_M, "{p} lies {} from the axis", from_axis(p));
         }
         let ends = mesh.positions.iter().fold((0.0_f64, 0.0_f64), |(low, high), p| (low.min(p.x), high.max(p.x)));
-        assert!((ends.0 + radius_m).abs() < 1.6 * VOXEL_M && (ends.1 - way_m - radius_m).abs() < 1.6 * VOXEL_M);
+        assert!((ends.0 + radius_m).abs() < 2.0 * VOXEL_M && (ends.1 - way_m - radius_m).abs() < 2.0 * VOXEL_M);
     }
 
     #[test]

@@ -58,6 +58,7 @@ impl Picture<'_> {
             grasps: &[],
             X_WO_start: None,
             X_WO_goal: None,
+            X_WO_between: Vec::new(),
             X_WO: None,
             plan: plan.as_ref(),
             motion: MotionContent::default(),

@@ -246,7 +246,7 @@ impl ViewerState {
             }
             Command::ToggleDrawer(side) => self.drawer = (self.drawer != Some(side)).then_some(side),
             Command::Dismiss(id) => self.messages.retain(|message| message.id != id),
-            Command::Escape => self.escape(),
+            Command::Escape => return self.escape(),
             Command::FrameAll => return vec![Effect::FrameAll],
             Command::Look(view) => return vec![Effect::Look(view)],
             Command::Screenshot => return vec![Effect::Screenshot],
@@ -422,7 +422,10 @@ impl ViewerState {
         }
     }
 
-    fn escape(&mut self) {
+    fn escape(&mut self) -> Vec<Effect> {
+        if self.is_dragging_goal() {
+            return self.cancel_goal_drag();
+        }
         if self.grasping.draws_region {
             self.grasping.draws_region = false;
         } else if self.overlay != Overlay::None {
@@ -434,6 +437,7 @@ impl ViewerState {
         } else {
             self.messages.clear();
         }
+        Vec::new()
     }
 }
 

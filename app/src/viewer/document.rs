@@ -62,6 +62,7 @@ impl Document {
         }
         let scene = Arc::make_mut(&mut theirs.scene);
         scene.grasp = self.scene.grasp.clone();
+        scene.task.steps = self.scene.task.steps.clone();
         (scene.robot, scene.posture) = (self.scene.robot.clone(), self.scene.posture.clone());
         (scene.arm, scene.torso, scene.hand) = (self.scene.arm, self.scene.torso, self.scene.hand.clone());
         if theirs == *self {
@@ -142,6 +143,7 @@ mod tests {
         assert_eq!(edited(&|_| {}), Stage::Plan);
         assert_eq!(edited(&|scene| scene.rank.by = RankBy::Mean), Stage::Rank);
         assert_eq!(edited(&|scene| scene.grasp.friction = 0.9), Stage::Grasps);
+        assert_eq!(edited(&|scene| scene.task.steps.clear()), Stage::Grasps);
         assert_eq!(edited(&|scene| scene.torso = true), Stage::Grasps);
         assert_eq!(edited(&|scene| scene.robot = "alita".to_owned()), Stage::Grasps);
         assert_eq!(edited(&|scene| scene.fit.voxel_m = 0.01), Stage::Fit);

@@ -9,6 +9,7 @@ pub(super) enum Icon {
     Pause,
     StepBack,
     StepForth,
+    Up,
     Loop,
     Eye,
     EyeOff,
@@ -49,6 +50,7 @@ pub(super) fn paint(painter: &Painter, icon: Icon, centre: Pos2, size: f32, colo
             pen.fill(&[(3.5, 3.5), (10.5, 8.0), (3.5, 12.5)]);
             pen.bar(11.2, 3.5, 1.8, 9.0);
         }
+        Icon::Up => pen.line(&[(4.0, 9.8), (8.0, 5.8), (12.0, 9.8)]),
         Icon::Loop => {
             pen.line(&[(3.0, 7.0), (3.0, 5.5), (4.5, 4.0), (12.5, 4.0)]);
             pen.line(&[(10.5, 2.0), (12.7, 4.0), (10.5, 6.0)]);

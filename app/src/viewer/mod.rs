@@ -13,6 +13,8 @@ mod document;
 mod fields;
 mod font;
 mod format;
+mod goal_drag;
+mod goal_gizmo;
 mod grasping;
 mod icons;
 mod joint_curves;

@@ -3,9 +3,12 @@
 use std::sync::Arc;
 
 use endcomfort_core::job::Stage;
-use endcomfort_core::scene::Scene;
+use endcomfort_core::scene::{Scene, Step as TaskStep};
 use endcomfort_core::task::{MotionSettings, Planner, Try};
 
+use nalgebra::Isometry3;
+
+use super::goal_drag::GoalDrag;
 use super::state::{StageState, Step};
 use super::{Curve, Effect, Kept, Measures, ViewerState, format, measures};
 use crate::assets;
@@ -25,6 +28,14 @@ pub enum PlanCommand {
     HoverTry(Option<usize>),
     /// Shows a try, or the plan again.
     ShowTry(Option<usize>),
+    /// Selects a step of the task.
+    SelectGoal(usize),
+    /// Asks for other steps of the task.
+    Steps(Vec<TaskStep>),
+    /// Moves the goal of a step while it is dragged.
+    DragGoal { step: usize, X_WO_goal: Isometry3<f64> },
+    /// The goal has been let go.
+    EndDrag,
     /// Draws so many ghosts of the arm.
     Ghosts(usize),
     /// Keeps the present plan to compare others with.
@@ -49,15 +60,19 @@ pub enum PlanPage {
     Tried,
     /// Routes of the hand.
     Routes,
+    /// What the robot shall do.
+    Task,
     /// How the robot moves.
     Settings,
 }
 
 impl PlanPage {
     /// The pages while there is a plan.
-    pub const ALL: [Self; 4] = [Self::Plan, Self::Tried, Self::Routes, Self::Settings];
+    pub const ALL: [Self; 5] = [Self::Plan, Self::Tried, Self::Routes, Self::Task, Self::Settings];
     /// The pages when the task was refused.
-    pub const REFUSED: [Self; 2] = [Self::Tried, Self::Settings];
+    pub const REFUSED: [Self; 3] = [Self::Tried, Self::Task, Self::Settings];
+    /// The pages while there is no plan yet.
+    pub const WITHOUT: [Self; 2] = [Self::Task, Self::Settings];
 
     /// What a person reads.
     pub fn title(self) -> &'static str {
@@ -65,6 +80,7 @@ impl PlanPage {
             Self::Plan => "Plan",
             Self::Tried => "Tried",
             Self::Routes => "Routes",
+            Self::Task => "Task",
             Self::Settings => "Settings",
         }
     }
@@ -115,11 +131,14 @@ pub struct Planning {
     pub selected_try: Option<usize>,
     /// The route whose row is under the pointer.
     pub hovered_route: Option<usize>,
+    /// The step of the task that is edited.
+    pub step: usize,
     /// The plan that others are compared with.
     pub kept: Option<Kept>,
     /// Numbers of the present plan.
     pub measures: Option<Measures>,
     kept_so_far: u64,
+    pub(super) drag: GoalDrag,
 }
 
 impl Default for Planning {
@@ -133,9 +152,11 @@ impl Default for Planning {
             hovered_try: None,
             selected_try: None,
             hovered_route: None,
+            step: 0,
             kept: None,
             measures: None,
             kept_so_far: 0,
+            drag: GoalDrag::default(),
         }
     }
 }
@@ -151,6 +172,8 @@ pub struct PlanningKey {
     pub hovered_route: Option<usize>,
     /// Number of the kept plan.
     pub kept: Option<u64>,
+    /// The step of the task whose goal can be moved.
+    pub goal_step: Option<usize>,
 }
 
 impl ViewerState {
@@ -172,10 +195,16 @@ impl ViewerState {
 
     /// The open page at the step Plan: one of those that there are.
     pub fn plan_page(&self) -> PlanPage {
-        let is_refused = matches!(self.stage(Stage::Plan), StageState::Refused(_));
-        match self.planning.page {
-            page if !is_refused || PlanPage::REFUSED.contains(&page) => page,
-            _ => PlanPage::Tried,
+        let pages = self.plan_pages();
+        Some(self.planning.page).filter(|page| pages.contains(page)).unwrap_or(pages[0])
+    }
+
+    /// The pages that there are at the step Plan.
+    pub fn plan_pages(&self) -> &'static [PlanPage] {
+        match (self.stage(Stage::Plan), &self.outputs.plan) {
+            (StageState::Refused(_), _) => &PlanPage::REFUSED,
+            (_, Some(_)) => &PlanPage::ALL,
+            (_, None) => &PlanPage::WITHOUT,
         }
     }
 
@@ -186,6 +215,7 @@ impl ViewerState {
             shown_try: self.shown_try(),
             hovered_route: self.planning.hovered_route,
             kept: self.planning.kept.as_ref().map(|kept| kept.number),
+            goal_step: self.goal_step(),
         }
     }
 
@@ -212,6 +242,10 @@ impl ViewerState {
                 planning.page = PlanPage::Tried;
                 self.playback.playing = false;
             }
+            PlanCommand::SelectGoal(step) => planning.step = step,
+            PlanCommand::Steps(steps) => return self.edit_task(|scene| scene.task.steps = steps),
+            PlanCommand::DragGoal { step, X_WO_goal } => return self.drag_goal(step, X_WO_goal),
+            PlanCommand::EndDrag => return self.end_goal_drag(),
             PlanCommand::Ghosts(count) => planning.ghosts = count.clamp(1, MAX_GHOSTS),
             PlanCommand::Keep => self.keep_plan(),
             PlanCommand::ForgetKept => planning.kept = None,

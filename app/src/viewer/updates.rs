@@ -1,6 +1,6 @@
 //! What comes back from the pipeline, put in its place.
 
-use endcomfort_core::job::{Refusal, Stage, Update};
+use endcomfort_core::job::{Output, Refusal, Stage, Update};
 
 use super::state::{StageState, Step};
 use super::{Effect, Overlay, ViewerState};
@@ -18,9 +18,25 @@ impl ViewerState {
             | Update::Refused { revision, .. }
             | Update::Finished { revision } => *revision,
         };
-        if revision != self.revision {
-            return Vec::new();
+        let is_answer = match &update {
+            Update::Done { output, .. } => matches!(**output, Output::Plan(_)),
+            Update::Refused { .. } | Update::Finished { .. } => true,
+            Update::Progress { .. } => false,
+        };
+        let mut effects = if revision == self.revision {
+            self.receive_present(revision, update)
+        } else {
+            self.receive_while_dragging(revision, update);
+            Vec::new()
+        };
+        if is_answer {
+            effects.extend(self.goal_answered(revision));
         }
+        effects
+    }
+
+    /// Takes an update for the present document.
+    fn receive_present(&mut self, revision: u64, update: Update) -> Vec<Effect> {
         match update {
             Update::Progress { stage, fraction, note, .. } => {
                 *self.stage_mut(stage) = StageState::Running { fraction: fraction.max(0.0).min(1.0), note };
@@ -67,6 +83,11 @@ impl ViewerState {
             }
             Stage::Plan => {
                 self.plan_stands();
+                if self.is_dragging_goal() {
+                    // Answers come many times a second: none is announced, and the robot stays where it is.
+                    self.playback.time_s = self.playback.time_s.min(self.duration_s());
+                    return Vec::new();
+                }
                 self.playback.time_s = 0.0;
                 self.selection.grasp = self.outputs.plan.as_ref().map(|plan| plan.grasp().id);
                 self.selection.ik = None;
@@ -106,10 +127,13 @@ impl ViewerState {
         // Whoever works on the fit or on the grasps stays there: the stepper says what became of the later stages.
         let works = match self.selection.step {
             Step::Stage(step) if step < stage => step == Stage::Fit || self.edits_grasps(),
-            _ => false,
+            _ => self.edits_task(),
         };
         if !works {
             self.selection.step = Step::Stage(stage);
+        }
+        if self.is_dragging_goal() {
+            return Vec::new();
         }
         vec![Effect::Announce(format!("{} refused: {sentence}", stage.title()))]
     }

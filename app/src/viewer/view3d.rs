@@ -7,6 +7,7 @@ use egui::{Color32, PointerButton, Pos2, Rect, Response, Sense, Stroke, StrokeKi
 use egui_wgpu::RenderState;
 use nalgebra::{Matrix3, Point2, Point3};
 
+use super::goal_gizmo::{GoalGizmo, Shot};
 use super::layout::Layout;
 use super::region_drag::RegionDrag;
 use super::theme::{SECONDARY, Tokens, font};
@@ -52,6 +53,8 @@ pub(super) struct View3d {
     before_lab: Option<Camera>,
     /// The drag that draws a region.
     region: RegionDrag,
+    /// The drag that moves a goal.
+    gizmo: GoalGizmo,
     /// The next frame is taken from the side of this place.
     wants_side: Option<Point3<f64>>,
 }
@@ -104,6 +107,7 @@ impl View3d {
             examined: None,
             before_lab: None,
             region: RegionDrag::default(),
+            gizmo: GoalGizmo::default(),
             wants_side: None,
         }
     }
@@ -146,7 +150,8 @@ impl View3d {
         if self.wants_frame {
             self.frame_picture(&layout, rect);
         }
-        let mut commands = Vec::new();
+        let shot = Shot { rect, camera: &self.camera };
+        let mut commands = self.gizmo.follow(ui, &response, shot, state);
         self.handle(ui, &response, rect, state, &mut commands);
         self.travel_on(ui);
         let pixels_per_point = ui.pixels_per_point();
@@ -168,6 +173,7 @@ impl View3d {
         let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
         ui.painter().image(self.texture, rect, whole, Color32::WHITE);
         self.labels(ui, rect);
+        self.gizmo.paint(ui, Shot { rect, camera: &self.camera }, state);
         if state.grasping.draws_region {
             self.region.hint(ui, &layout);
             commands.extend(self.region.follow(ui, &response, rect, &self.camera, state));
@@ -271,7 +277,9 @@ impl View3d {
             // The drag draws a frame; the other button still moves the camera.
             return;
         }
+        let is_taken = self.gizmo.is_busy();
         if response.drag_started()
+            && !is_taken
             && let Some(pointer) = response.interact_pointer_pos()
         {
             self.anchor = Some(self.point_under(in_picture(pointer), size));
@@ -299,7 +307,7 @@ impl View3d {
             self.zoom(f64::from(pinch) * (f64::from(scroll) / 240.0).exp(), &anchor);
             self.travel = None;
         }
-        if !response.dragged() {
+        if !response.dragged() && !is_taken {
             self.point(response, in_picture(pointer), size, state, commands);
         }
     }

@@ -91,9 +91,9 @@ impl View<'_> {
             let text = format!("{} of {}: {said}, limits {limits}", curve.title(), about.name);
             WidgetInfo::labeled(Role::Label, true, text)
         });
-        self.paint(ui, area, &values, (lower, upper));
+        let [top, bottom] = self.paint(ui, area, &values, (lower, upper));
         if height > SMALL_PLOT {
-            axis(ui, area, [number(upper), number(lower)], tokens.secondary);
+            axis(ui, [(top, number(upper)), (bottom, number(lower))], tokens.secondary);
         }
         self.scrub(&response, area, out);
         if let Some(pointer) = response.hover_pos() {
@@ -123,8 +123,8 @@ impl View<'_> {
         }
     }
 
-    /// Limits, phases, the curve, the cursor.
-    fn paint(&self, ui: &Ui, area: Rect, values: &[(f64, f64)], (lower, upper): (f64, f64)) {
+    /// Limits, phases, the curve, the cursor; gives where the lines of the upper and the lower limit begin.
+    fn paint(&self, ui: &Ui, area: Rect, values: &[(f64, f64)], (lower, upper): (f64, f64)) -> [Pos2; 2] {
         let tokens = Tokens::of(ui);
         let painter = ui.painter().with_clip_rect(area.expand(4.0));
         painter.rect(area, SMALL_RADIUS - 2, tokens.well, Stroke::new(1.0, tokens.line), StrokeKind::Inside);
@@ -162,6 +162,7 @@ impl View<'_> {
         if let Some(value) = value_at(values, now_s) {
             painter.circle_filled(pos2(x, y_of(value)), 3.0, tokens.text);
         }
+        [upper, lower].map(|limit| pos2(area.left(), y_of(limit)))
     }
 
     /// All numbers of a joint at a time.
@@ -189,12 +190,9 @@ impl View<'_> {
     }
 }
 
-/// Both ends of the axis inside the plot, at its left.
-fn axis(ui: &Ui, area: Rect, [upper, lower]: [String; 2], ink: Color32) {
-    for (at, anchor, text) in [
-        (area.left_top() + vec2(5.0, 7.0), Align2::LEFT_TOP, upper),
-        (area.left_bottom() + vec2(5.0, -7.0), Align2::LEFT_BOTTOM, lower),
-    ] {
-        let _rect = ui.painter().text(at, anchor, text, font(SMALL), ink);
-    }
+/// The limits in numbers, each on the inner side of its line.
+fn axis(ui: &Ui, [(top, upper), (bottom, lower)]: [(Pos2, String); 2], ink: Color32) {
+    let inward = vec2(5.0, 2.0);
+    let _rect = ui.painter().text(top + inward, Align2::LEFT_TOP, upper, font(SMALL), ink);
+    let _rect = ui.painter().text(bottom + vec2(5.0, -2.0), Align2::LEFT_BOTTOM, lower, font(SMALL), ink);
 }

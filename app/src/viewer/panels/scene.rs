@@ -8,9 +8,10 @@ use nalgebra::{Point3, Vector3};
 use super::Out;
 use super::inspector::heading;
 use crate::viewer::layout::Layout;
+use crate::viewer::state::Step;
 use crate::viewer::theme::{SECONDARY, Tokens};
-use crate::viewer::widgets::{key_value, paragraph, section, segmented};
-use crate::viewer::{Command, ViewerState, format};
+use crate::viewer::widgets::{key_value, paragraph, secondary_button, section, segmented};
+use crate::viewer::{Command, PlanCommand, PlanPage, ViewerState, format};
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     let tokens = Tokens::of(ui);
@@ -43,6 +44,12 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     let _row = key_value(ui, "Task", &task(state));
     let _row = key_value(ui, "Table", &table(state));
     let _row = key_value(ui, "Seed", &scene.seed.to_string());
+
+    ui.add_space(4.0);
+    if secondary_button(ui, "Edit the task", true).clicked() {
+        out.push(Command::SelectStep(Step::Stage(Stage::Plan)));
+        out.push(Command::Planning(PlanCommand::Page(PlanPage::Task)));
+    }
 
     if state.document.cloud.is_none() {
         section(ui, "Objects");
@@ -89,6 +96,10 @@ fn task(state: &ViewerState) -> String {
     let object = if state.document.cloud.is_some() { "what was found".to_owned() } else { format!("the {object}") };
     match scene.task.X_WO_goal() {
         None => format!("lift {object}"),
+        Some(X_WO_goal) if scene.task.steps.len() > 1 => {
+            let steps = scene.task.steps.len();
+            format!("move {object} in {steps} steps, at last to {}", at(&X_WO_goal.translation.vector.into()))
+        }
         Some(X_WO_goal) => format!("move {object} to {}", at(&X_WO_goal.translation.vector.into())),
     }
 }

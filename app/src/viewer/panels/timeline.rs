@@ -13,6 +13,8 @@ use crate::viewer::widgets::{focus_ring, icon_button, text_in};
 use crate::viewer::{Command, ViewerState, format, playback};
 
 const BARS: f32 = 11.0;
+/// Width of the timeline from which it has room for the buttons that step, points.
+const STEPS_FROM: f32 = 440.0;
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     ui.spacing_mut().item_spacing = vec2(8.0, 0.0);
@@ -58,15 +60,18 @@ fn controls(ui: &mut Ui, state: &ViewerState, plan: &Plan, row: Rect, pointed: O
     if icon_button(ui, icon, word, true, false).clicked() {
         out.push(Command::SetPlaying(!playback.playing));
     }
-    for (icon, word, forth) in
-        [(Icon::StepBack, "One sample back (,)", false), (Icon::StepForth, "One sample forth (.)", true)]
-    {
-        if icon_button(ui, icon, word, true, false).clicked() {
-            out.push(Command::StepSample { forth });
+    // On a phone the values need the room; the keys step all the same.
+    if row.width() > STEPS_FROM {
+        for (icon, word, forth) in
+            [(Icon::StepBack, "One sample back (,)", false), (Icon::StepForth, "One sample forth (.)", true)]
+        {
+            if icon_button(ui, icon, word, true, false).clicked() {
+                out.push(Command::StepSample { forth });
+            }
+            ui.add_space(-6.0);
         }
-        ui.add_space(-6.0);
+        ui.add_space(6.0);
     }
-    ui.add_space(6.0);
     // A fixed place for the time, so that nothing after it moves while it runs.
     let (rect, _) = ui.allocate_exact_size(vec2(118.0, 24.0), Sense::hover());
     let now = ui.painter().text(

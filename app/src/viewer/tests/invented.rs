@@ -337,12 +337,14 @@ fn plan(grasp: Grasp) -> Plan {
     let limits: Vec<JointLimit> = limits.collect();
     let waves = |t: f64| -> Vec<f64> {
         let wave = |(k, limit): (usize, &JointLimit)| {
-            let u = 0.5 + 0.38 * (0.45 * t + 1.3 * k as f64).sin();
+            let u = 0.5 + 0.10 * (0.45 * t + 1.3 * k as f64).sin();
             limit.lower + u * (limit.upper - limit.lower)
         };
         limits.iter().enumerate().map(wave).collect()
     };
-    let mut start_s = 0.0;
+    // Slow at both ends: every phase starts and ends at rest.
+    let eased = |u: f64| u * u * (3.0 - 2.0 * u);
+    let (mut start_s, mut moved_s) = (0.0, 0.0);
     let kinds = [
         (PhaseKind::Reach, 3.5),
         (PhaseKind::Close, 0.6),
@@ -355,6 +357,8 @@ fn plan(grasp: Grasp) -> Plan {
     let phases = kinds
         .into_iter()
         .map(|(kind, length_s)| {
+            // The arm stands still in short phases.
+            let goes_s = if length_s > 1.0 { length_s } else { 0.0 };
             let times_s: Vec<f64> = (0..=60).map(|i| length_s * f64::from(i) / 60.0).collect();
             let at = |t: &f64| 0.06 + 0.03 * (0.9 * (start_s + t)).sin();
             let phase = Phase {
@@ -364,9 +368,13 @@ fn plan(grasp: Grasp) -> Plan {
                 carries: matches!(kind, PhaseKind::Lift | PhaseKind::Transport | PhaseKind::Place),
                 manipulability: times_s.iter().map(at).collect(),
                 clearance_m: times_s.iter().map(|t| 0.02 + 0.5 * at(t)).collect(),
-                trajectory: Trajectory { positions: times_s.iter().map(|t| waves(start_s + t)).collect(), times_s },
+                trajectory: Trajectory {
+                    positions: times_s.iter().map(|t| waves(moved_s + goes_s * eased(t / length_s))).collect(),
+                    times_s,
+                },
             };
             start_s += length_s;
+            moved_s += goes_s;
             phase
         })
         .collect();

@@ -7,6 +7,7 @@ mod invented;
 mod lab;
 mod pictures;
 mod plans;
+mod tasks;
 mod view;
 
 use egui_kittest::Harness;

@@ -2,7 +2,8 @@
 
 use endcomfort_core::grasp::{ApproachCone, GraspFilter, GraspSettings, RankBy, RankSettings, Region};
 use endcomfort_core::job::{Output, Refusal, Stage, Update};
-use nalgebra::{Point3, Vector3};
+use endcomfort_core::scene::{Action, Step as TaskStep};
+use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::{Page, invented, page};
 use crate::viewer::state::{IkChoice, Side, Situation, Step};
@@ -112,6 +113,23 @@ fn plan(page: PlanPage) -> ViewerState {
     with(at(Step::Stage(Stage::Plan)), [show, Command::Planning(PlanCommand::Page(page))])
 }
 
+/// A task of three steps, the second one open.
+fn task() -> ViewerState {
+    let put = |x: f64, y: f64| TaskStep::put(Isometry3::translation(x, y, 0.83));
+    let mut pour = TaskStep {
+        action: Action::Pour { hold_s: 2.0 },
+        keep_upright_rad: Some(0.3),
+        ..TaskStep::put(Isometry3::new(Vector3::new(0.6, 0.1, 1.02), Vector3::new(1.2, 0.0, 0.0)))
+    };
+    pour.freedom.yaw_rad = 0.5;
+    let steps = vec![put(0.62, 0.24), pour, put(0.55, -0.1)];
+    let mut state = with(plan(PlanPage::Task), [Command::Planning(PlanCommand::Steps(steps))]);
+    for (elapsed_ms, output) in invented::outputs().into_iter().skip(3) {
+        invented::done(&mut state, elapsed_ms, output);
+    }
+    with(state, [Command::Planning(PlanCommand::SelectGoal(1)), Command::Seek(4.62)])
+}
+
 /// A plan beside another one that was kept.
 fn plans_compared() -> ViewerState {
     let mut state = with(plan(PlanPage::Plan), [Command::Planning(PlanCommand::Keep), Command::SetSeed(8)]);
@@ -156,6 +174,9 @@ fn every_screen_is_drawn_in_both_themes() {
         ("plan-compared", SMALL, plans_compared()),
         ("plan-compared", LARGE, plans_compared()),
         ("plan-compared", PHONE, with(plans_compared(), [Command::ToggleDrawer(Side::Right)])),
+        ("plan-task", SMALL, task()),
+        ("plan-task", LARGE, task()),
+        ("plan-task", PHONE, with(task(), [Command::ToggleDrawer(Side::Right)])),
         ("play-joints", SMALL, joints(None)),
         ("play-joints", LARGE, joints(None)),
         ("play-joint", SMALL, joints(Some(3))),

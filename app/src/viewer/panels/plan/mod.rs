@@ -4,6 +4,7 @@ mod compare;
 mod routes;
 mod settings;
 mod summary;
+mod task;
 mod tried;
 
 use egui::{Color32, Ui};
@@ -14,7 +15,7 @@ use super::Out;
 use super::inspector::{heading, nothing_yet};
 use crate::viewer::fields::tabs;
 use crate::viewer::state::StageState;
-use crate::viewer::theme::{BODY, Tokens};
+use crate::viewer::theme::{BODY, SECONDARY, Tokens};
 use crate::viewer::widgets::{paragraph, primary_button, secondary_button, title};
 use crate::viewer::{Command, PlanCommand, PlanPage, ViewerState, format};
 
@@ -25,7 +26,10 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     let Some(plan) = &state.outputs.plan else {
         nothing_yet(ui, state, Stage::Plan);
         // What it is asked for can be changed all the same.
-        return settings::draw(ui, state, out);
+        return match pages(ui, state, out) {
+            PlanPage::Settings => settings::draw(ui, state, out),
+            _ => task::draw(ui, state, out),
+        };
     };
     let text = format!("Planned with {}", state.grasp_title(plan.grasp().id));
     let sentence = match (state.document.grasp.is_some(), plan.tries.len()) {
@@ -33,12 +37,19 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         (false, 0) => "The best-ranked grasp worked at the first try.".to_owned(),
         (false, failed) => format!("{} failed before it.", format::plural(failed, "try").replace("trys", "tries")),
     };
-    heading(ui, state, Stage::Plan, &text, &sentence);
-    let open = pages(ui, state, &PlanPage::ALL, out);
-    match open {
+    if state.is_dragging_goal() {
+        // Answers come and go many times a second: a sentence about each would flicker.
+        title(ui, &text);
+        let _text = paragraph(ui, "It is planned anew while you drag.", SECONDARY, Tokens::of(ui).secondary);
+        ui.add_space(6.0);
+    } else {
+        heading(ui, state, Stage::Plan, &text, &sentence);
+    }
+    match pages(ui, state, out) {
         PlanPage::Plan => summary::draw(ui, state, plan, out),
         PlanPage::Tried => tried::draw(ui, state, out),
         PlanPage::Routes => routes::draw(ui, state, plan, out),
+        PlanPage::Task => task::draw(ui, state, out),
         PlanPage::Settings => settings::draw(ui, state, out),
     }
 }
@@ -59,7 +70,8 @@ fn refused(ui: &mut Ui, state: &ViewerState, refusal: &Refusal, out: &mut Out) {
         }
     });
     ui.add_space(6.0);
-    match pages(ui, state, &PlanPage::REFUSED, out) {
+    match pages(ui, state, out) {
+        PlanPage::Task => task::draw(ui, state, out),
         PlanPage::Settings => settings::draw(ui, state, out),
         _ => {
             tried::draw(ui, state, out);
@@ -69,7 +81,8 @@ fn refused(ui: &mut Ui, state: &ViewerState, refusal: &Refusal, out: &mut Out) {
 }
 
 /// The row of pages; gives the open one.
-fn pages(ui: &mut Ui, state: &ViewerState, pages: &[PlanPage], out: &mut Out) -> PlanPage {
+fn pages(ui: &mut Ui, state: &ViewerState, out: &mut Out) -> PlanPage {
+    let pages = state.plan_pages();
     let open = state.plan_page();
     let titles: Vec<&str> = pages.iter().map(|page| page.title()).collect();
     if let Some(index) = tabs(ui, &titles, pages.iter().position(|&page| page == open)) {

@@ -18,7 +18,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, plan: &Plan, out: &mut Out)
         let _row = key_value(ui, "Smallest clearance", &text);
     }
     if plan.certificate.states > 0 {
-        let _row = key_value(ui, "Checked once more", &certificate(plan));
+        let _row = key_value(ui, "Certificate", &certificate(plan));
     }
     compare::draw(ui, state, out);
 
@@ -54,7 +54,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, plan: &Plan, out: &mut Out)
     }
 }
 
-/// What the certificate says: `8 240 states, 4 per sample`.
+/// What the certificate says: `8 240 states checked, 4 per sample`.
 fn certificate(plan: &Plan) -> String {
     let states = format::count(plan.certificate.states);
     format!("{states} states checked, {} per sample", plan.certificate.density)
