@@ -6,9 +6,9 @@ use super::setback::Blocked;
 use super::{MotionSettings, PhaseKind, Workcell};
 use crate::collision::Scratch;
 use crate::plan::{
-    ArmSpace, BirrtSettings, CartesianSettings, CartesianStop, ClearPath, ClearSettings, EdgeCause, MotionLimits, NoPath, Path,
-    PlanOutcome, ShortcutSettings, StopReason, TimingSettings, Trajectory, follow_poses, plan_clear_path, plan_path,
-    shorten, straight_line, time_path,
+    ArmSpace, BirrtSettings, CartesianSettings, CartesianStop, ClearPath, ClearSettings, EdgeCause, MotionLimits,
+    NoPath, Path, PlanOutcome, ShortcutSettings, StopReason, TimingSettings, Trajectory, follow_poses, plan_clear_path,
+    plan_path, shorten, straight_line, time_path,
 };
 use crate::watch::Watch;
 
