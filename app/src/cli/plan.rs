@@ -1,6 +1,6 @@
 //! `plan pick|place`: phases with joint trajectories and timings, or the refusal.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
 use endcomfort_core::job::{Output, Stage};
@@ -8,6 +8,7 @@ use endcomfort_core::task::plan_json_lines;
 
 use super::{Common, Failure, input, motion_options};
 use crate::assets;
+use crate::export::{MotionFormat, export_motion};
 use crate::jobs;
 
 #[derive(clap::Args)]
@@ -25,6 +26,9 @@ pub(super) struct Args {
     /// A hand of your own at the acting arm: a hand description (.json).
     #[arg(long)]
     hand: Option<PathBuf>,
+    /// File that receives the motion: .csv, .json, .yaml (ROS JointTrajectory) or .glb (the scene, animated).
+    #[arg(long, value_parser = motion_file)]
+    out: Option<PathBuf>,
     #[command(flatten)]
     motion: motion_options::Options,
 }
@@ -35,6 +39,20 @@ enum TaskName {
     Pick,
     /// Grasp, and move the object through the scene's steps to its goal.
     Place,
+}
+
+fn format_of(file: &Path) -> Option<MotionFormat> {
+    MotionFormat::of_extension(file.extension()?.to_str()?)
+}
+
+fn motion_file(text: &str) -> Result<PathBuf, String> {
+    let file = PathBuf::from(text);
+    match format_of(&file) {
+        Some(_) => Ok(file),
+        None => {
+            Err(format!("wanted a file that ends in {}", MotionFormat::ALL.map(MotionFormat::extension).join(", ")))
+        }
+    }
 }
 
 pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
@@ -52,11 +70,16 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
     }
     let robot = assets::library().robot_of(&request.scene).map_err(|error| Failure::new(error.to_string()))?;
     let results = jobs::run_until(&request, Stage::Plan)?;
-    let Some(Output::Plan(plan)) = results.into_iter().find(|output| matches!(output, Output::Plan(_))) else {
+    let Some(Output::Plan(plan)) = results.iter().find(|output| matches!(output, Output::Plan(_))) else {
         return Err(Failure::new("the pipeline ended without a plan"));
     };
+    if let Some((file, format)) = args.out.as_ref().and_then(|file| Some((file, format_of(file)?))) {
+        let bytes = export_motion(&request.scene, &results, format).map_err(Failure::new)?;
+        std::fs::write(file, &bytes).map_err(|error| Failure::new(format!("{}: {error}", file.display())))?;
+        eprintln!("wrote {} ({} bytes)", file.display(), bytes.len());
+    }
     if common.json {
-        plan_json_lines(&plan, &robot).iter().for_each(|line| println!("{line}"));
+        plan_json_lines(plan, &robot).iter().for_each(|line| println!("{line}"));
         return Ok(());
     }
     let grasps: Vec<String> = plan.legs.iter().map(|leg| leg.grasp.id.to_string()).collect();

@@ -232,7 +232,7 @@ fn container(root: &Value, bytes: &[u8]) -> Vec<u8> {
     data.resize(data.len().next_multiple_of(4), 0);
     let length = 12 + 8 + text.len() + 8 + data.len();
     let mut file = Vec::with_capacity(length);
-    let mut word = |file: &mut Vec<u8>, value: usize| file.extend((value as u32).to_le_bytes());
+    let word = |file: &mut Vec<u8>, value: usize| file.extend((value as u32).to_le_bytes());
     file.extend(b"glTF");
     word(&mut file, 2);
     word(&mut file, length);

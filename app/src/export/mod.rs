@@ -1,4 +1,10 @@
-//! Ranked grasps as files for other programs, with the robots inside the program.
+//! Files for other programs: ranked grasps, motions, and scenes that move.
+
+mod glb;
+mod motion;
+
+pub use glb::{Moment, glb};
+pub use motion::{MotionFormat, export_motion};
 
 use endcomfort_core::grasp::{ExportFormat, Grasp, GraspExport, StraightWays};
 use endcomfort_core::job::{DroppedCloud, GraspsOutput};

@@ -82,7 +82,7 @@ impl Layers {
         self.0[layer as usize]
     }
 
-    pub(super) fn get_mut(&mut self, layer: Layer) -> &mut LayerView {
+    pub fn get_mut(&mut self, layer: Layer) -> &mut LayerView {
         &mut self.0[layer as usize]
     }
 
