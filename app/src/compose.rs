@@ -2,7 +2,9 @@
 
 mod grasps;
 mod lab;
+mod motion;
 mod palette;
+mod swept;
 
 use std::sync::Arc;
 
@@ -12,13 +14,14 @@ use endcomfort_core::mesh::Mesh;
 use endcomfort_core::robot::Robot;
 use endcomfort_core::scene::Scene;
 use endcomfort_core::superquadric::Superquadric;
-use endcomfort_core::task::{PhaseKind, Plan};
+use endcomfort_core::task::{Plan, TARGET};
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use crate::render::{Frame, LineDraw, MeshDraw, PointsDraw, Surface, Theme, shapes};
+use crate::render::{Frame, MeshDraw, PointsDraw, Surface, Theme, shapes};
 use crate::viewer::{Layer, Layers, Pick};
 pub use grasps::quantity_scale;
 pub use lab::LabContent;
+pub use motion::MotionContent;
 pub use palette::Palette;
 
 /// Resolution of a fit's mesh: 96 columns, 47 rings.
@@ -44,7 +47,9 @@ pub struct Content<'a> {
     pub X_WO_goal: Option<Isometry3<f64>>,
     /// Where the object is now.
     pub X_WO: Option<Isometry3<f64>>,
-    pub plan: Option<&'a Plan>,
+    pub plan: Option<&'a Arc<Plan>>,
+    /// How the plan is examined.
+    pub motion: MotionContent<'a>,
     pub layers: &'a Layers,
     pub hovered: Option<u32>,
     pub selected: Option<u32>,
@@ -69,6 +74,7 @@ pub struct Composer {
     links: Option<(Arc<Robot>, LinkMeshes)>,
     cloud: Option<CloudCache>,
     glyphs: Option<grasps::Glyphs>,
+    motion: Option<motion::Motion>,
 }
 
 /// Address and number of the points, whether they are segmented, the cluster that is not seen, whether the others are
@@ -86,7 +92,7 @@ impl Composer {
     pub fn compose(&mut self, input: &Content<'_>) -> Frame {
         let palette = Palette::of(input.theme);
         let mut frame = Frame::default();
-        self.add_furniture(&mut frame, input.scene, &palette);
+        self.add_furniture(&mut frame, input, &palette);
         if input.lab.is_none() && input.layers.opacity(Layer::Robot) > 0.0 {
             self.add_robot(&mut frame, input, &palette);
         }
@@ -103,11 +109,7 @@ impl Composer {
         }
         self.add_grasps(&mut frame, input, &palette);
         grasps::add_filter(&mut frame, input, &palette);
-        // A plan for another robot or hand is still there until the new one comes.
-        let is_its = |plan: &&Plan| plan.q_start.len() == input.robot.dof_count();
-        if let Some(plan) = input.plan.filter(is_its).filter(|_| input.layers.opacity(Layer::Path) > 0.0) {
-            add_path(&mut frame, plan, input, &palette);
-        }
+        self.add_motion(&mut frame, input, &palette);
         frame
     }
 
@@ -120,7 +122,9 @@ impl Composer {
         mesh
     }
 
-    fn add_furniture(&mut self, frame: &mut Frame, scene: &Scene, palette: &Palette) {
+    fn add_furniture(&mut self, frame: &mut Frame, input: &Content<'_>, palette: &Palette) {
+        let scene = input.scene;
+        let color = |name: &str, usual: [f32; 4]| if input.motion.blames(name) { palette.culprit } else { usual };
         let table = &scene.table;
         let size = [table.size_m[0], table.size_m[1], table.thickness_m];
         if self.table.as_ref().is_none_or(|(known, _)| *known != size) {
@@ -132,7 +136,7 @@ impl Composer {
             frame.meshes.push(MeshDraw {
                 mesh: mesh.clone(),
                 X_WM: Isometry3::translation(table.center_m[0], table.center_m[1], z),
-                color: palette.table,
+                color: color("table", palette.table),
                 surface: Surface::Satin,
                 pick_id: 0,
             });
@@ -142,7 +146,7 @@ impl Composer {
             frame.meshes.push(MeshDraw {
                 mesh,
                 X_WM: obstacle.X_WB,
-                color: palette.obstacle,
+                color: color(&obstacle.name, palette.obstacle),
                 surface: Surface::Satin,
                 pick_id: 0,
             });
@@ -164,10 +168,18 @@ impl Composer {
 
     fn add_robot(&mut self, frame: &mut Frame, input: &Content<'_>, palette: &Palette) {
         let X_WL = input.robot.link_poses(input.q);
+        let is_old = input.motion.is_stale && input.plan.is_some();
         let meshes = self.link_meshes(input.robot);
         for ((link, meshes), X_WL) in input.robot.links.iter().zip(meshes).zip(&X_WL) {
             for (visual, mesh) in link.visuals.iter().zip(meshes) {
-                let (color, surface) = palette.material(&visual.material, input.layers.opacity(Layer::Robot));
+                let opacity = input.layers.opacity(Layer::Robot);
+                let (mut color, surface) = palette.material(&visual.material, opacity);
+                if input.motion.blames(&link.name) {
+                    color = palette.culprit;
+                    color[3] *= opacity;
+                } else if is_old {
+                    color = palette.greyed(color);
+                }
                 frame.meshes.push(MeshDraw {
                     mesh: mesh.clone(),
                     X_WM: X_WL * visual.X_LV,
@@ -217,6 +229,11 @@ impl Composer {
             let is_target = cluster == fits.target;
             let X_WO = input.X_WO.filter(|_| is_target).unwrap_or(X_WS);
             let X_WO_goal = input.X_WO_goal.filter(|_| is_target && examined.is_none());
+            let name = match input.scene.object_at(&X_WS) {
+                _ if is_target => TARGET.to_owned(),
+                Some(placed) => placed.object.clone(),
+                None => format!("cluster {cluster}"),
+            };
             let is_composite = is_target && !fit.others.is_empty();
             for (part, body) in fit.bodies().enumerate() {
                 let cluster = cluster as u32;
@@ -226,6 +243,9 @@ impl Composer {
                 let X_OP = X_WS.inverse() * body.X_FS;
                 if input.layers.opacity(Layer::Fits) > 0.0 {
                     let mut color = if is_target { palette.target } else { palette.neighbour(input.scene, &X_WS) };
+                    if input.motion.blames(&name) {
+                        color = palette.culprit;
+                    }
                     color[3] *= input.layers.opacity(Layer::Fits);
                     if examined.is_some() {
                         color[3] *= AROUND_LAB;
@@ -245,28 +265,5 @@ impl Composer {
                 }
             }
         }
-    }
-}
-
-/// The way of the hand frame, phase by phase.
-fn add_path(frame: &mut Frame, plan: &Plan, input: &Content<'_>, palette: &Palette) {
-    let Some(arm) = input.robot.arm(&plan.arm) else { return };
-    for phase in &plan.phases {
-        let mut color = match phase.kind {
-            PhaseKind::Reach => palette.reach,
-            PhaseKind::Retreat => palette.retreat,
-            PhaseKind::Close | PhaseKind::Open => continue,
-            _ => palette.transport,
-        };
-        color[3] *= input.layers.opacity(Layer::Path);
-        let samples = 48;
-        let points = (0..=samples)
-            .map(|k| {
-                let time_s = phase.start_s + phase.trajectory.duration_s() * f64::from(k) / f64::from(samples);
-                let state = plan.state_at(time_s);
-                Point3::from(input.robot.link_poses(&state.q)[arm.hand.tcp_link].translation.vector)
-            })
-            .collect();
-        frame.lines.push(LineDraw::new(points, color, 3.0));
     }
 }

@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use endcomfort_core::grasp::ExportFormat;
 use endcomfort_core::robot::Robot;
+use endcomfort_core::task::{PhaseKind, TARGET, Try};
 use nalgebra::{Isometry3, Point3};
 
 use crate::assets;
-use crate::compose::{Composer, Content, LabContent, Palette, quantity_scale};
+use crate::compose::{Composer, Content, LabContent, MotionContent, Palette, quantity_scale};
 use crate::export::export_grasps;
 use crate::render::{Bounds, Scale, Theme};
 use crate::viewer::{
@@ -76,7 +77,8 @@ impl Studio for BuiltInStudio {
             X_WO_start: outputs.grasps.as_ref().map(|g| g.X_WO_start),
             X_WO_goal: outputs.grasps.as_ref().and_then(|g| g.X_WO_goal),
             X_WO: state.X_WO,
-            plan: outputs.plan.as_deref(),
+            plan: outputs.plan.as_ref().map(|plan| &plan.value),
+            motion: motion_content(input),
             layers: input.layers,
             hovered: input.hover.grasp,
             selected: input.selection.grasp,
@@ -103,6 +105,19 @@ impl Studio for BuiltInStudio {
             ScaleBar { title: content.colored_by.title().to_owned(), unit, scale }
         });
         Picture { frame, labels: labels(input, &content), scale, legend: None, bounds: Some(workspace(input)) }
+    }
+}
+
+/// How the plan is examined.
+fn motion_content<'a>(input: &ComposeInput<'a>) -> MotionContent<'a> {
+    let is_stale = input.outputs.plan.as_ref().is_some_and(|plan| plan.revision != input.revision);
+    let shown = input.planning.shown_try.and_then(|index| input.tries.get(index));
+    MotionContent {
+        is_stale: is_stale && shown.is_none(),
+        ghosts: input.planning.ghosts,
+        hovered_route: input.planning.hovered_route,
+        kept: input.kept.map_or(&[], |kept| &kept.trail),
+        culprits: shown.map_or(&[], |tried| &tried.culprits),
     }
 }
 
@@ -155,6 +170,10 @@ impl Standing {
                 let state = plan.state_at(time_s);
                 Self { X_WO: Some(plan.object_pose(robot, &state)), q: state.q }
             }
+            Posture::Try { index } => {
+                let placed = input.tries.get(index).and_then(|tried| Self::of_try(tried, input, robot));
+                placed.unwrap_or(at_start)
+            }
             Posture::Ik { grasp, at, index } => {
                 let Some(grasp) = outputs.candidate(grasp) else { return at_start };
                 let situated = match at {
@@ -175,17 +194,56 @@ impl Standing {
     }
 }
 
+impl Standing {
+    /// Where a try failed; `None` if it belongs to another robot or hand.
+    fn of_try(tried: &Try, input: &ComposeInput<'_>, robot: &Robot) -> Option<Self> {
+        let outputs = input.outputs;
+        let plan = outputs.plan.as_deref().filter(|plan| plan.q_start.len() == robot.dof_count());
+        let resting = || robot.posture(&input.scene.posture).map(<[f64]>::to_vec);
+        let mut q = plan.map(|plan| plan.q_start.clone()).or_else(resting)?;
+        let arm = robot.arm(input.scene.arm.name())?;
+        let arm = if input.scene.torso { robot.arm_with_torso(arm) } else { arm.clone() };
+        let dofs: Vec<usize> = arm.dofs.iter().chain(arm.hand.fingers.iter().flatten()).copied().collect();
+        if tried.q.len() > dofs.len() {
+            return None;
+        }
+        for (&dof, &position) in dofs.iter().zip(&tried.q) {
+            q[dof] = position;
+        }
+        let found = outputs.grasps.as_ref()?;
+        let X_OH = tried.grasp.and_then(|id| outputs.candidate(id)).map(|grasp| grasp.X_OH);
+        let X_WO = match (X_OH, tried.phase) {
+            (Some(X_OH), _) if tried.carries => robot.link_poses(&q)[arm.hand.tcp_link] * X_OH.inverse(),
+            (_, Some(PhaseKind::Open | PhaseKind::Retreat)) => found.X_WO_goal.unwrap_or(found.X_WO_start),
+            _ => found.X_WO_start,
+        };
+        Some(Self { q, X_WO: Some(X_WO) })
+    }
+}
+
 /// Names of what stands on the table, and of the goal.
 fn labels(input: &ComposeInput<'_>, content: &Content<'_>) -> Vec<Label> {
     let mut labels: Vec<Label> = rejected_label(content).into_iter().collect();
+    labels.extend(culprit_labels(content));
+    labels.extend(route_labels(content));
+    let kept = input.kept.filter(|_| input.layers.opacity(Layer::Path) > 0.0);
+    labels.extend(kept.and_then(|kept| Some(Label { p_W: kept.label_place()?, text: "A".into(), tone: Tone::Plain })));
     let Some(fits) = content.fits else { return labels };
     for (cluster, fit) in fits.fits.iter().enumerate() {
         let Ok(fit) = fit else { continue };
         let is_target = cluster == fits.target;
         let X_WS = if is_target { content.X_WO.unwrap_or(fit.superquadric.X_FS) } else { fit.superquadric.X_FS };
         let described = input.document.cloud.is_none().then(|| nearest_title(input, &fit.superquadric.X_FS)).flatten();
+        let placed = input.scene.object_at(&fit.superquadric.X_FS).map(|placed| placed.object.as_str());
+        let is_blamed = is_target && content.motion.blames(TARGET)
+            || !is_target && content.motion.blames(placed.unwrap_or(&format!("cluster {cluster}")));
         let text = described.unwrap_or_else(|| format!("cluster {cluster}"));
-        labels.push(Label { p_W: top_of(fit, &X_WS), text, tone: if is_target { Tone::Fit } else { Tone::Plain } });
+        let tone = match (is_blamed, is_target) {
+            (true, _) => Tone::Rejected,
+            (false, true) => Tone::Fit,
+            (false, false) => Tone::Plain,
+        };
+        labels.push(Label { p_W: top_of(fit, &X_WS), text, tone });
         if let Some(X_WO_goal) = content.X_WO_goal.filter(|_| is_target && input.layers.opacity(Layer::Goal) > 0.0) {
             labels.push(Label { p_W: top_of(fit, &X_WO_goal), text: "goal".into(), tone: Tone::Goal });
         }
@@ -200,6 +258,32 @@ fn rejected_label(content: &Content<'_>) -> Option<Label> {
     // Behind the palm, where it hides neither the fingers nor the object.
     let p_W = X_WH * Point3::new(0.0, 0.0, -BEHIND_PALM_M);
     Some(Label { p_W, text: grasp.status.reason(), tone: Tone::Rejected })
+}
+
+/// Names of the links and known boxes that stand in the way in the posture that is shown.
+fn culprit_labels(content: &Content<'_>) -> Vec<Label> {
+    let X_WL = content.robot.link_poses(content.q);
+    let links = content.robot.links.iter().zip(&X_WL);
+    let links = links.map(|(link, X_WL)| (link.name.as_str(), Point3::from(X_WL.translation.vector)));
+    let boxes = content.scene.obstacles.iter().map(|obstacle| {
+        let top = obstacle.X_WB.translation.vector + 0.5 * obstacle.size_m.z * nalgebra::Vector3::z();
+        (obstacle.name.as_str(), top.into())
+    });
+    let table = &content.scene.table;
+    let table = ("table", Point3::new(table.center_m[0], table.center_m[1], table.height_m));
+    let blamed = links.chain(boxes).chain([table]).filter(|(name, _)| content.motion.blames(name));
+    blamed.map(|(name, p_W)| Label { p_W, text: name.replace('_', " "), tone: Tone::Rejected }).collect()
+}
+
+/// Numbers of the hand's routes at their middles.
+fn route_labels(content: &Content<'_>) -> Vec<Label> {
+    let Some(plan) = content.plan.filter(|_| content.layers.opacity(Layer::Routes) > 0.0) else { return Vec::new() };
+    let middle = |points: &[Point3<f64>]| points.get(points.len() / 2).copied();
+    let label = |(index, route): (usize, &endcomfort_core::task::Route)| {
+        let tone = if route.refused.is_some() { Tone::Rejected } else { Tone::Goal };
+        Some(Label { p_W: middle(&route.points_W)?, text: format!("route {}", index + 1), tone })
+    };
+    plan.routes.iter().enumerate().filter_map(label).collect()
 }
 
 /// Whether a joint between the robot's base and its first arm can move.

@@ -91,12 +91,25 @@ fn bench_states(set: &str, model: &CollisionModel, world: &World, report: &mut R
         std::hint::black_box(checker.is_free(scratch, q));
     };
     let (any_us, free_us) = (batches(&all, &mut is_free), batches(&free, &mut is_free));
+    let in_batches = |states: &[&Vec<f64>], scratch: &mut Scratch| -> Vec<f64> {
+        let mut check = |batch: &[&Vec<f64>]| {
+            let begin_ms = now_ms();
+            std::hint::black_box(checker.surely_free(scratch, batch));
+            (now_ms() - begin_ms) * 1e6 / batch.len() as f64
+        };
+        states.chunks(400).map(&mut check).collect()
+    };
+    let (any_ns, free_ns) = (in_batches(&all, &mut Scratch::default()), in_batches(&free, &mut Scratch::default()));
+    let passed = checker.surely_free(&mut Scratch::default(), &free).into_iter().filter(|sure| *sure).count();
+    let passed = format!("{:.1} % of the free ones pass", 100.0 * passed as f64 / free.len() as f64);
     let mut nearest_m = f64::INFINITY;
     let distance_us =
         batches(&free, &mut |scratch, q| nearest_m = nearest_m.min(checker.distance(scratch, q).distance_m));
     let share = format!("{:.0} % of {STATES} states free", 100.0 * free.len() as f64 / STATES as f64);
     report.add(set, "check any state", "µs", any_us, share);
     report.add(set, "check a free state", "µs", free_us, "");
+    report.add(set, "check any state in batches", "ns", any_ns, "");
+    report.add(set, "check a free state in batches", "ns", free_ns, passed);
     report.add(set, "distance of a free state", "µs", distance_us, format!("least {:.1} mm", nearest_m * 1e3));
     report.add(set, "make the checker", "µs", make_us, "");
     if nearest_m < 0.0 { Err("a free state is in collision".into()) } else { Ok(()) }

@@ -12,6 +12,7 @@ use endcomfort_core::experiment::{
 use endcomfort_core::object::HouseholdObject;
 use endcomfort_core::watch::Watch;
 
+use super::motion_options::PlannerName;
 use super::pictures::write_pictures;
 use super::table::Table;
 use super::views::read_views;
@@ -46,6 +47,9 @@ pub(super) struct Args {
     /// Accepts grasps without looking at straight ways in and out, as the thesis does (experiment `prioritization`).
     #[arg(long)]
     pub(super) any_way: bool,
+    /// What plans look for their way with (experiment `motion`).
+    #[arg(long, value_enum)]
+    pub(super) planner: Option<PlannerName>,
     /// One fit or case after the other on one processor: gives times.
     #[arg(long)]
     pub(super) serial: bool,

@@ -1,8 +1,8 @@
-//! `experiment`, the tables on grasps: `prioritization` and `grasps`.
+//! `experiment`, the tables on grasps and plans: `prioritization`, `grasps` and `motion`.
 
 use endcomfort_core::experiment::{
-    FeasibleRow, GraspExperiment, GraspExperimentSettings, PriorityRow, Record, Summary, run_feasible,
-    run_prioritization,
+    FeasibleRow, GraspExperiment, GraspExperimentSettings, MotionRow, PriorityRow, Record, Summary, run_feasible,
+    run_motion, run_prioritization,
 };
 
 use super::experiment::{Args, digits, watched, write_records};
@@ -10,6 +10,7 @@ use super::table::Table;
 use super::{Common, Failure};
 use crate::assets;
 use crate::clock::stopwatch;
+use endcomfort_core::task::Planner;
 
 pub(super) fn run(experiment: GraspExperiment, args: &Args, common: &Common) -> Result<(), Failure> {
     if let Some(option) = args.fitting_options().first() {
@@ -42,6 +43,15 @@ pub(super) fn run(experiment: GraspExperiment, args: &Args, common: &Common) -> 
                 print_feasible(&outcome.rows);
             }
         }
+        GraspExperiment::Motion => {
+            let outcome = watched(&elapsed_ms, |watch| run_motion(&settings, watch))
+                .map_err(|refusal| Failure::new(refusal.to_string()))?;
+            write(args, common, &outcome.rows, &outcome.cases)?;
+            if !common.json {
+                print_head(experiment, &settings, elapsed_ms() * 1e-3);
+                print_motion(&outcome.rows);
+            }
+        }
     }
     Ok(())
 }
@@ -61,6 +71,7 @@ fn settings(args: &Args, common: &Common) -> Result<GraspExperimentSettings, Fai
         trials: args.trials,
         clutter: args.clutter.unwrap_or(0),
         any_way: args.any_way,
+        planner: args.planner.map(Planner::from).unwrap_or_default(),
         seed: common.seed.unwrap_or(1),
         is_serial: args.serial,
     })
@@ -147,6 +158,52 @@ fn print_prioritization(rows: &[PriorityRow]) {
     );
     println!("reached at the start + none can be used at both poses + no grasp yields all paths.");
     println!("thesis: its own numbers for the same table, not measured here.");
+}
+
+/// Whole plans on random cases, for a person.
+fn print_motion(rows: &[MotionRow]) {
+    let heads = vec![
+        "robot",
+        "condition",
+        "cases",
+        "planned",
+        "regrasped",
+        "tries",
+        "fit → plan ms",
+        "plan ms",
+        "trajectories",
+        "blocked",
+        "beyond limits",
+        "duration s",
+        "clearance mm",
+    ];
+    let mut table = Table::new(2, heads);
+    let two = |summary: Option<Summary>, scale: f64| {
+        summary.map(|s| format!("{} / {}", digits(scale * s.median), digits(scale * s.p95))).unwrap_or_default()
+    };
+    for row in rows {
+        let [trajectories, blocked, beyond_limits] = row.trajectories;
+        table.push(vec![
+            row.robot.clone(),
+            row.condition.name().to_owned(),
+            row.trials.to_string(),
+            format!("{}/{}", row.success, row.solvable),
+            row.regrasped.to_string(),
+            row.tries.map(|s| digits(s.mean)).unwrap_or_default(),
+            two(row.fit_to_plan_ms, 1.0),
+            two(row.plan_ms, 1.0),
+            trajectories.to_string(),
+            blocked.to_string(),
+            beyond_limits.to_string(),
+            two(row.duration_s, 1.0),
+            two(row.clearance_m, 1e3),
+        ]);
+    }
+    println!("{table}");
+    println!("planned: of the cases in which some grasp can be used at both poses; regrasped: further ones, with the");
+    println!("object put down in between. tries: grasps that failed before, mean. Two numbers: median / 95 %.");
+    println!("blocked, beyond limits: found by walking every trajectory again at 4 configurations per sample with");
+    println!("bodies and kinematics of its own, and by differences of its samples.");
 }
 
 /// How many grasps each object offers each robot, for a person.

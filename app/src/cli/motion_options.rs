@@ -60,8 +60,9 @@ pub(super) struct Options {
     slide: bool,
 }
 
+/// A planner by name.
 #[derive(Clone, Copy, ValueEnum)]
-enum PlannerName {
+pub(super) enum PlannerName {
     /// Bidirectional random trees with the whole IK set as goals.
     Search,
     /// A roadmap without random numbers.

@@ -3,6 +3,7 @@
 use endcomfort_core::robot::Material;
 use endcomfort_core::scene::Scene;
 use endcomfort_core::segment::PointFate;
+use endcomfort_core::task::PhaseKind;
 use nalgebra::Isometry3;
 
 use crate::assets;
@@ -40,6 +41,16 @@ pub struct Palette {
     pub reach: [f32; 4],
     pub transport: [f32; 4],
     pub retreat: [f32; 4],
+    /// A plan that is no longer that of the scene.
+    pub stale: [f32; 4],
+    /// A plan that others are compared with.
+    pub kept: [f32; 4],
+    /// The space that the arm sweeps.
+    pub swept: [f32; 4],
+    /// What stood in the way.
+    pub culprit: [f32; 4],
+    /// Routes of the hand.
+    routes: [[f32; 4]; 6],
     shell: [f32; 4],
     joint: [f32; 4],
     accent: [f32; 4],
@@ -80,6 +91,11 @@ impl Palette {
                 reach: rgb(0x6ca9ff),
                 transport: rgb(0xf0b34a),
                 retreat: rgb(0x8a96a3),
+                stale: rgba(0x8a96a3, 0.55),
+                kept: rgba(0xe7eaed, 0.85),
+                swept: rgb(0x8ca0ff),
+                culprit: rgb(0xee6a5c),
+                routes: [rgb(0xf0b34a), rgb(0x6ca9ff), rgb(0xb08cff), rgb(0x3ec6b0), rgb(0xe58fc0), rgb(0x8fd36b)],
                 shell: rgb(0xd4d6d6),
                 joint: rgb(0x1c1f23),
                 accent: rgb(0x3ec6b0),
@@ -107,6 +123,11 @@ impl Palette {
                 reach: rgb(0x2f74d8),
                 transport: rgb(0xc98208),
                 retreat: rgb(0x69737d),
+                stale: rgba(0x69737d, 0.55),
+                kept: rgba(0x1d2329, 0.85),
+                swept: rgb(0x5566d6),
+                culprit: rgb(0xd2483a),
+                routes: [rgb(0xc98208), rgb(0x2f74d8), rgb(0x7d56d6), rgb(0x0d9a85), rgb(0xb84d8a), rgb(0x4b9a2f)],
                 shell: rgb(0xe6e7e6),
                 joint: rgb(0x24282d),
                 accent: rgb(0x0d9a85),
@@ -115,6 +136,29 @@ impl Palette {
                 clusters: [rgb(0x2f74d8), rgb(0x7d56d6), rgb(0xc98208), rgb(0x4b9a2f), rgb(0xb84d8a)],
             },
         }
+    }
+
+    /// Colour of a phase; grey when its plan is out of date.
+    pub fn phase(&self, kind: PhaseKind, is_stale: bool) -> [f32; 4] {
+        match kind {
+            _ if is_stale => self.stale,
+            PhaseKind::Reach => self.reach,
+            PhaseKind::Retreat => self.retreat,
+            PhaseKind::Close | PhaseKind::Open => self.accent,
+            _ => self.transport,
+        }
+    }
+
+    /// Colour of a route by its place in the list.
+    pub fn route(&self, index: usize) -> [f32; 4] {
+        self.routes[index % self.routes.len()]
+    }
+
+    /// A colour of the robot while it shows a plan that is out of date: half of it is a quiet grey.
+    pub fn greyed(&self, [r, g, b, a]: [f32; 4]) -> [f32; 4] {
+        let level = 0.3 * r + 0.59 * g + 0.11 * b;
+        let quiet = |grey: f32| 0.45 * level + 0.55 * grey;
+        [quiet(self.neighbour[0]), quiet(self.neighbour[1]), quiet(self.neighbour[2]), a]
     }
 
     /// Colour and surface of a robot's material; machines have two greys and one accent.

@@ -11,7 +11,7 @@ use endcomfort_core::scene::Scene;
 use image::RgbaImage;
 use nalgebra::Point3;
 
-use crate::compose::{Composer, Content};
+use crate::compose::{Composer, Content, MotionContent};
 use crate::render::{Camera, Offscreen, OffscreenError, Theme, View};
 use crate::viewer::Layers;
 
@@ -44,6 +44,10 @@ impl Picture<'_> {
     /// # Errors
     /// [`OffscreenError`] when there is no graphics adapter or the size is beyond its limit.
     pub fn draw(&self, settings: &PictureSettings) -> Result<RgbaImage, OffscreenError> {
+        let plan = self.outputs.iter().find_map(|output| match output {
+            Output::Plan(plan) => Some(Arc::new((**plan).clone())),
+            _ => None,
+        });
         let mut content = Content {
             scene: self.scene,
             robot: self.robot,
@@ -55,7 +59,8 @@ impl Picture<'_> {
             X_WO_start: None,
             X_WO_goal: None,
             X_WO: None,
-            plan: None,
+            plan: plan.as_ref(),
+            motion: MotionContent::default(),
             layers: &Layers::default(),
             hovered: None,
             selected: None,
@@ -79,8 +84,7 @@ impl Picture<'_> {
                     content.grasps = &value.grasps;
                     content.selected = value.grasps.first().filter(|g| g.is_accepted()).map(|g| g.id);
                 }
-                Output::Plan(value) => content.plan = Some(value),
-                Output::Objective(_) | Output::Quality(_) => {}
+                Output::Plan(_) | Output::Objective(_) | Output::Quality(_) => {}
             }
         }
         let resting = self.robot.posture(&self.scene.posture);

@@ -6,9 +6,10 @@ use endcomfort_core::grasp::ExportFormat;
 use endcomfort_core::job::{DroppedCloud, Request, Stage};
 use endcomfort_core::robot::HandDescription;
 use endcomfort_core::scene::{ArmChoice, SCENE_VERSION, Scene};
+use endcomfort_core::task::Plan;
 
 use super::state::{IkChoice, Side, StageState, Standing, Step, ThemeChoice};
-use super::{Document, GraspCommand, LabCommand, Layer, Overlay, Playback, ViewerState};
+use super::{Document, GraspCommand, LabCommand, Layer, Overlay, PlanCommand, Playback, ViewerState, playback};
 
 /// Something a person does.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +30,8 @@ pub enum Command {
     Lab(LabCommand),
     /// Examines grasps, or asks for others.
     Grasping(GraspCommand),
+    /// Examines plans, or asks for others.
+    Planning(PlanCommand),
     /// Grasps another cluster.
     GraspCluster(usize),
     /// Plans with this grasp, `None` with the first that works.
@@ -61,6 +64,8 @@ pub enum Command {
     Seek(f64),
     /// Goes forth or back by so many seconds.
     Nudge(f64),
+    /// Goes to the next sample of the plan, or to the one before.
+    StepSample { forth: bool },
     /// The next of the offered speeds.
     NextSpeed,
     /// Whether the end leads back to the start.
@@ -143,6 +148,7 @@ impl ViewerState {
             Command::SetSeed(seed) => return self.edit_scene(|scene| scene.seed = seed),
             Command::Lab(command) => return self.apply_lab(command),
             Command::Grasping(command) => return self.apply_grasping(command),
+            Command::Planning(command) => return self.apply_planning(command),
             Command::GraspCluster(cluster) => {
                 return self.edit(|document| {
                     document.cluster = Some(cluster);
@@ -208,6 +214,13 @@ impl ViewerState {
             Command::Nudge(step_s) => {
                 self.playback.playing = false;
                 self.seek(self.playback.time_s + step_s);
+            }
+            Command::StepSample { forth } => {
+                self.playback.playing = false;
+                let beside = |plan: &Plan| playback::sample_beside(plan, self.playback.time_s, forth);
+                if let Some(time_s) = self.outputs.plan.as_deref().and_then(beside) {
+                    self.seek(time_s);
+                }
             }
             Command::NextSpeed => {
                 let next = Playback::SPEEDS.into_iter().find(|&speed| speed > self.playback.speed);

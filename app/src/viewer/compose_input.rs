@@ -3,9 +3,10 @@
 use endcomfort_core::fit::Fit;
 use endcomfort_core::grasp::Quantity;
 use endcomfort_core::scene::Scene;
+use endcomfort_core::task::Try;
 use nalgebra::Point3;
 
-use super::{Document, GraspingKey, Hover, LabKey, Layers, Outputs, Selection, Situation};
+use super::{Document, GraspingKey, Hover, Kept, LabKey, Layers, Outputs, PlanningKey, Selection, Situation};
 use crate::render::{Bounds, Frame, Scale};
 
 /// Everything that the picture depends on; two equal inputs (see [`ViewKey`]) give the same picture.
@@ -29,6 +30,12 @@ pub struct ComposeInput<'a> {
     pub posture: Posture,
     /// How grasps are examined.
     pub grasping: GraspingKey,
+    /// How plans are examined.
+    pub planning: PlanningKey,
+    /// What was tried in vain.
+    pub tries: &'a [Try],
+    /// The plan that others are compared with.
+    pub kept: Option<&'a Kept>,
     /// The fit under examination; `None` while the robot is at work.
     pub lab: Option<LabKey>,
     /// A fit of another objective, to be drawn over the examined one.
@@ -55,6 +62,11 @@ pub enum Posture {
         /// Seconds.
         time_s: f64,
     },
+    /// Where a try failed.
+    Try {
+        /// Index into [`ComposeInput::tries`].
+        index: usize,
+    },
     /// In one configuration of a grasp's IK set, the object at the start or at the goal.
     Ik {
         /// Number of the grasp.
@@ -76,6 +88,7 @@ pub struct ViewKey {
     pub(super) layers: Layers,
     pub(super) posture: Posture,
     pub(super) grasping: GraspingKey,
+    pub(super) planning: PlanningKey,
     pub(super) lab: Option<LabKey>,
     pub(super) dark: bool,
 }

@@ -7,6 +7,8 @@ use egui::{Color32, Painter, Pos2, Shape, Stroke, pos2, vec2};
 pub(super) enum Icon {
     Play,
     Pause,
+    StepBack,
+    StepForth,
     Loop,
     Eye,
     EyeOff,
@@ -38,6 +40,14 @@ pub(super) fn paint(painter: &Painter, icon: Icon, centre: Pos2, size: f32, colo
         Icon::Pause => {
             pen.bar(4.0, 3.0, 3.0, 10.0);
             pen.bar(9.0, 3.0, 3.0, 10.0);
+        }
+        Icon::StepBack => {
+            pen.fill(&[(12.5, 3.5), (5.5, 8.0), (12.5, 12.5)]);
+            pen.bar(3.0, 3.5, 1.8, 9.0);
+        }
+        Icon::StepForth => {
+            pen.fill(&[(3.5, 3.5), (10.5, 8.0), (3.5, 12.5)]);
+            pen.bar(11.2, 3.5, 1.8, 9.0);
         }
         Icon::Loop => {
             pen.line(&[(3.0, 7.0), (3.0, 5.5), (4.5, 4.0), (12.5, 4.0)]);

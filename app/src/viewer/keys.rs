@@ -8,9 +8,10 @@ use super::state::Step;
 use super::{Command, LabCommand, NamedView, Overlay, ViewerState};
 
 /// What the help overlay lists: key, what it does.
-pub(super) const LIST: [(&str, &str); 15] = [
+pub(super) const LIST: [(&str, &str); 16] = [
     ("Space", "Play or pause"),
     ("Left  Right", "Back or forth by 0.1 s"),
+    (",  .", "Back or forth by one sample"),
     ("Home  End", "Start or end of the plan"),
     ("Up  Down", "Select the grasp above or below"),
     ("F", "Frame everything"),
@@ -59,6 +60,8 @@ pub(super) fn commands(ctx: &Context, state: &ViewerState) -> Vec<Command> {
             (Key::Space, Command::SetPlaying(!state.playback.playing)),
             (Key::ArrowLeft, Command::Nudge(-0.1)),
             (Key::ArrowRight, Command::Nudge(0.1)),
+            (Key::Comma, Command::StepSample { forth: false }),
+            (Key::Period, Command::StepSample { forth: true }),
             (Key::Home, Command::Seek(0.0)),
             (Key::End, Command::Seek(f64::MAX)),
             (Key::ArrowUp, Command::MoveSelection(-1)),

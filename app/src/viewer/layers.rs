@@ -12,11 +12,14 @@ pub enum Layer {
     Rejected,
     Contacts,
     Path,
+    Routes,
+    Ghosts,
+    Swept,
 }
 
 impl Layer {
     /// All layers in the order of the list.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 12] = [
         Self::Robot,
         Self::Cloud,
         Self::Clusters,
@@ -26,6 +29,9 @@ impl Layer {
         Self::Rejected,
         Self::Contacts,
         Self::Path,
+        Self::Routes,
+        Self::Ghosts,
+        Self::Swept,
     ];
 
     /// What a person reads.
@@ -40,6 +46,9 @@ impl Layer {
             Self::Rejected => "Rejected",
             Self::Contacts => "Contacts",
             Self::Path => "Path",
+            Self::Routes => "Routes",
+            Self::Ghosts => "Ghost poses",
+            Self::Swept => "Swept volume",
         }
     }
 }
@@ -60,7 +69,9 @@ pub struct Layers([LayerView; Layer::ALL.len()]);
 impl Default for Layers {
     fn default() -> Self {
         let mut layers = Self([LayerView { visible: true, opacity: 1.0 }; Layer::ALL.len()]);
-        layers.get_mut(Layer::Rejected).visible = false;
+        for hidden in [Layer::Rejected, Layer::Ghosts, Layer::Swept] {
+            layers.get_mut(hidden).visible = false;
+        }
         layers
     }
 }

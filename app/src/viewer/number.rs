@@ -89,3 +89,18 @@ pub(super) fn number(ui: &mut Ui, field: &Number, value: f64, width: f32) -> Tou
     let _tip = response.on_hover_text(field.tip);
     touch
 }
+
+/// A number with words behind it; its new value once it is let go or typed.
+pub(super) fn number_row(ui: &mut Ui, field: &Number, value: f64, words: &str) -> Option<f64> {
+    let touch = ui.horizontal(|ui| {
+        let touch = number(ui, field, value, 84.0);
+        let color = Tokens::of(ui).text;
+        let _text = ui.label(egui::RichText::new(words).font(font(BODY)).color(color));
+        touch
+    });
+    ui.add_space(3.0);
+    match touch.inner {
+        Touch::Released(value) | Touch::Set(value) => Some(value),
+        Touch::None | Touch::Dragged(_) => None,
+    }
+}

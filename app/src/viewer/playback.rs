@@ -70,6 +70,14 @@ pub(super) fn sampled(phase: &Phase, values: &[f64], time_s: f64) -> Option<f64>
     Some(from + u * (to - from))
 }
 
+/// Time of the sample after or before a time, from the start of the plan; `None` where there is no further one.
+pub(super) fn sample_beside(plan: &Plan, time_s: f64, forth: bool) -> Option<f64> {
+    // Phases share their ends, and times that were summed up differ in their last bits.
+    const SAME_S: f64 = 1e-7;
+    let times = || plan.phases.iter().flat_map(|phase| phase.trajectory.times_s.iter().map(|t| phase.start_s + t));
+    if forth { times().find(|&t| t > time_s + SAME_S) } else { times().take_while(|&t| t < time_s - SAME_S).last() }
+}
+
 /// Manipulability (5.1) at a time.
 pub(super) fn manipulability_at(plan: &Plan, time_s: f64) -> Option<f64> {
     phase_at(plan, time_s).and_then(|phase| sampled(phase, &phase.manipulability, time_s))

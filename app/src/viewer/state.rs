@@ -7,7 +7,8 @@ use endcomfort_core::job::{Refusal, Stage};
 
 use super::document::History;
 use super::{
-    ComposeInput, Demo, Document, Grasping, Lab, Layers, Outputs, Playback, Posture, RobotChoice, TableView, ViewKey,
+    ComposeInput, Demo, Document, Grasping, Lab, Layers, Outputs, Planning, Playback, Posture, RobotChoice, TableView,
+    ViewKey,
 };
 
 /// Everything the interface knows. Panels read it; [`ViewerState::apply`] and [`ViewerState::receive`] change it.
@@ -34,6 +35,8 @@ pub struct ViewerState {
     pub table: TableView,
     /// How grasps are examined.
     pub grasping: Grasping,
+    /// How plans are examined.
+    pub planning: Planning,
     /// The fit under examination.
     pub lab: Lab,
     /// What covers the page.
@@ -222,6 +225,7 @@ impl ViewerState {
             playback: Playback::default(),
             table: TableView::default(),
             grasping: Grasping::default(),
+            planning: Planning::default(),
             lab: Lab::default(),
             overlay: Overlay::None,
             drawer: None,
@@ -311,6 +315,9 @@ impl ViewerState {
     pub fn posture(&self) -> Posture {
         match (self.selection.ik, self.selection.grasp, &self.outputs.plan) {
             _ if self.lab_key().is_some() => Posture::Start,
+            _ if self.shown_try().is_some_and(|index| !self.tries()[index].q.is_empty()) => {
+                Posture::Try { index: self.shown_try().unwrap_or(0) }
+            }
             (Some(ik), Some(grasp), _) if !self.playback.playing => Posture::Ik { grasp, at: ik.at, index: ik.index },
             (_, _, Some(_)) => Posture::Plan { time_s: self.playback.time_s },
             _ => Posture::Start,
@@ -330,6 +337,9 @@ impl ViewerState {
             layers: &self.layers,
             posture: self.posture(),
             grasping: self.grasping_key(),
+            planning: self.planning_key(),
+            tries: self.tries(),
+            kept: self.planning.kept.as_ref(),
             lab,
             trial: lab.and_then(|lab| self.comparison()?.fit(lab.objective?)),
             dark,
@@ -346,6 +356,7 @@ impl ViewerState {
             layers: self.layers,
             posture: self.posture(),
             grasping: self.grasping_key(),
+            planning: self.planning_key(),
             lab: self.lab_key(),
             dark,
         }

@@ -66,6 +66,7 @@ impl ViewerState {
                 Vec::new()
             }
             Stage::Plan => {
+                self.plan_stands();
                 self.playback.time_s = 0.0;
                 self.selection.grasp = self.outputs.plan.as_ref().map(|plan| plan.grasp().id);
                 self.selection.ik = None;

@@ -6,6 +6,7 @@ use super::checker::{CONTACT_M, Checker, Cluster, ConstantPair, Fixed, MovingPai
 use super::frames::{MovingFrame, Rigid};
 use super::model::{CollisionError, CollisionModel};
 use super::setup::{CarriedObject, MayTouch, Party};
+use super::sieve::Sieve;
 use super::solid::Solid;
 use super::world::World;
 use crate::math;
@@ -99,7 +100,9 @@ pub(crate) fn build(
         link_names: robot.links.iter().map(|link| link.name.clone()).collect(),
         obstacle_names: world.obstacles.iter().map(|obstacle| obstacle.name.clone()).collect(),
         carried_name: carried.map(|carried| carried.name.clone()).unwrap_or_default(),
+        sieve: Sieve::default(),
     };
+    checker.sieve = Sieve::new(&checker);
     checker.constant_hit = checker.find_constant_hit();
     Ok(checker)
 }

@@ -3,8 +3,10 @@
 use nalgebra::Vector3;
 
 use super::frames::{MovingFrame, Rigid};
+use super::lanes::Lanes;
 use super::model::{CollisionError, CollisionModel};
 use super::setup::{CarriedObject, MayTouch};
+use super::sieve::Sieve;
 use super::solid::Solid;
 use super::world::World;
 
@@ -127,6 +129,7 @@ pub struct Checker {
     pub(crate) link_names: Vec<String>,
     pub(crate) obstacle_names: Vec<String>,
     pub(crate) carried_name: String,
+    pub(crate) sieve: Sieve,
 }
 
 /// Working memory of a checker's questions; one per thread, reused from call to call.
@@ -135,8 +138,12 @@ pub struct Scratch {
     pub(crate) X_WF: Vec<Rigid>,
     pub(crate) centers: Vec<Vector3<f64>>,
     pub(crate) intervals: Vec<(f64, f64)>,
+    pub(crate) later: Vec<(f64, f64)>,
     pub(crate) q: Vec<f64>,
     pub(crate) margins: Vec<f64>,
+    pub(crate) lanes: Lanes,
+    pub(crate) flat: Vec<f64>,
+    pub(crate) travel: Vec<[f32; 2]>,
 }
 
 /// Bodies count as touching when they are closer than this, metres: far above round-off, far below what matters.

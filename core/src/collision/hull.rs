@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use nalgebra::{Point3, Vector3};
 
+use super::cover::{Capsule, Cuboid, box_around, hull_cover};
 use super::model::CollisionError;
 use super::parry::hull_of;
 
@@ -30,6 +31,8 @@ struct Hull {
     starts: Vec<u32>,
     center: Vector3<f64>,
     bound: f64,
+    around: Cuboid,
+    capsules: Vec<Capsule>,
 }
 
 impl ConvexHull {
@@ -54,6 +57,8 @@ impl ConvexHull {
         let upper = corners.iter().fold(Vector3::repeat(f64::NEG_INFINITY), |m, p| m.sup(p));
         let center = 0.5 * (lower + upper);
         let bound = corners.iter().map(|p| (p - center).norm()).fold(0.0, f64::max);
+        let around = box_around(&corners);
+        let capsules = hull_cover(&corners, &edges, &around);
         let mut hull = Hull {
             corners,
             neighbours: edges.into_iter().map(|(_, to)| to).collect(),
@@ -61,6 +66,8 @@ impl ConvexHull {
             starts: Vec::new(),
             center,
             bound,
+            around,
+            capsules,
         };
         if hull.corners.len() >= FEW {
             hull.starts = (0..6 * CELLS * CELLS).map(|cell| hull.farthest(&middle(cell)) as u32).collect();
@@ -76,6 +83,16 @@ impl ConvexHull {
     /// Centre and radius of a ball around it, metres.
     pub(crate) fn ball(&self) -> (Vector3<f64>, f64) {
         (self.0.center, self.0.bound)
+    }
+
+    /// A box around it.
+    pub(crate) fn box_around(&self) -> &Cuboid {
+        &self.0.around
+    }
+
+    /// Capsules that together hold it.
+    pub(crate) fn capsules(&self) -> &[Capsule] {
+        &self.0.capsules
     }
 
     /// The corner that is farthest in a direction, which need not have unit length.

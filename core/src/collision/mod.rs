@@ -9,19 +9,23 @@
 //! All bodies are convex: a mesh counts as its convex hull. [`Exhaustive`] answers the same question with
 //! parry's own shapes and no shortcut at all; it is the independent judge of everything above.
 
+mod batch;
 mod build;
 mod checker;
 mod clearance;
 mod closed_form;
+mod cover;
 mod exhaustive;
 mod frames;
 mod hand;
 mod hull;
+mod lanes;
 mod model;
 mod narrow;
 mod parry;
 mod query;
 mod setup;
+mod sieve;
 mod solid;
 #[cfg(test)]
 pub(crate) mod testing;
@@ -29,11 +33,13 @@ mod touching;
 mod triangles;
 mod world;
 
+pub(crate) use batch::Sifted;
 pub use checker::{Checker, Clearance, Hit, Scratch};
 pub(crate) use checker::{Pair, State};
 pub use exhaustive::Exhaustive;
 pub use hand::HandChecker;
 pub use hull::ConvexHull;
+pub(crate) use lanes::LANES;
 pub use model::{CollisionError, CollisionModel};
 pub use setup::{CarriedObject, MayTouch, Party};
 pub use triangles::TriangleSurface;

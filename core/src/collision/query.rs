@@ -290,46 +290,9 @@ fn clusters_proximity(a: &Cluster, X_WA: &Rigid, b: &Cluster, X_WB: &Rigid, touc
 mod tests {
     use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
-    use crate::collision::testing::{random_q, two_arm_robot};
-    use crate::collision::{
-        CarriedObject, Checker, CollisionModel, ConvexHull, Exhaustive, HandChecker, MayTouch, Scratch, World,
-    };
+    use crate::collision::testing::{brick, random_q, scene, two_arm_robot};
+    use crate::collision::{Checker, CollisionModel, Exhaustive, HandChecker, MayTouch, Scratch, World};
     use crate::rng::Rng;
-    use crate::scene::TableTop;
-
-    /// A table with eight things on it: boxes, cylinders and hulls.
-    fn scene() -> World {
-        let mut world = World::new();
-        let top = TableTop { center_m: [0.6, 0.0], size_m: [0.75, 1.5], height_m: 0.69, thickness_m: 0.04 };
-        world.add_table(&top).unwrap();
-        let mut rng = Rng::new(3, 0);
-        for k in 0..7_u32 {
-            let place = Translation3::new(rng.uniform(0.3, 0.9), rng.uniform(-0.6, 0.6), 0.8);
-            let X_WB = Isometry3::from_parts(place, rng.rotation());
-            match k % 3 {
-                0 => world.add_box(&format!("box_{k}"), Vector3::new(0.1, 0.2, 0.15), &X_WB).unwrap(),
-                1 => world.add_cylinder(&format!("can_{k}"), 0.05, 0.2, &X_WB).unwrap(),
-                _ => {
-                    let points: Vec<_> = (0..60).map(|_| Point3::from(rng.direction() * 0.09)).collect();
-                    world.add_points(&format!("pear_{k}"), &points, &X_WB).unwrap();
-                }
-            }
-        }
-        world
-    }
-
-    /// A brick with a rod through it: two convex pieces.
-    fn brick(robot: &crate::robot::Robot, arm: usize) -> CarriedObject {
-        let cuboid = |x: f64, y: f64, z: f64| -> Vec<_> {
-            (0..8)
-                .map(|k| Vector3::new(f64::from(k & 1) - 0.5, f64::from(k >> 1 & 1) - 0.5, f64::from(k >> 2) - 0.5))
-                .map(|corner| Point3::from(corner.component_mul(&Vector3::new(x, y, z))))
-                .collect()
-        };
-        let pieces = [cuboid(0.1, 0.1, 0.1), cuboid(0.3, 0.01, 0.02)];
-        let pieces = pieces.map(|piece| ConvexHull::new("brick", &piece).unwrap());
-        CarriedObject::new("brick", &pieces, &Isometry3::translation(0.0, 0.0, 0.05), robot, arm).unwrap()
-    }
 
     #[test]
     fn the_hand_and_the_rest_together_find_what_the_whole_check_finds() {

@@ -37,8 +37,8 @@ mod visibility;
 pub use equivalence::{EXPONENT_TOLERANCE, equivalent_exponents, exponent_error};
 pub use grasping::{
     Condition, ENOUGH, Excluded, ExcludedCounts, FeasibleCase, FeasibleOutcome, FeasibleRow, GraspExperiment,
-    GraspExperimentSettings, PrioritizationOutcome, PriorityCase, PriorityRow, ThesisPriority, run_feasible,
-    run_prioritization, thesis_priority,
+    GraspExperimentSettings, MotionCase, MotionOutcome, MotionRow, Planned, PrioritizationOutcome, PriorityCase,
+    PriorityRow, ThesisPriority, run_feasible, run_motion, run_prioritization, thesis_priority,
 };
 pub use object_views::{ObjectView, household_views};
 pub use peers::{peers_clouds, peers_input};

@@ -15,17 +15,17 @@ use crate::watch::Watch;
 const MAX_BETWEEN: usize = 4;
 
 /// What a task is planned from.
-pub(super) struct TaskInput<'a> {
-    pub(super) cell: &'a Workcell,
+pub(crate) struct TaskInput<'a> {
+    pub(crate) cell: &'a Workcell,
     /// Candidates, ranked for the first leg.
-    pub(super) ranked: &'a [Grasp],
+    pub(crate) ranked: &'a [Grasp],
     /// The only grasp to try in the first leg, if somebody chose one.
-    pub(super) chosen: Option<u32>,
-    pub(super) target: &'a Fit,
+    pub(crate) chosen: Option<u32>,
+    pub(crate) target: &'a Fit,
     /// What fingers close on.
-    pub(super) touched: &'a dyn Fn() -> Result<Touched, Refusal>,
-    pub(super) scene: &'a Scene,
-    pub(super) watch: Watch<'a>,
+    pub(crate) touched: &'a dyn Fn() -> Result<Touched, Refusal>,
+    pub(crate) scene: &'a Scene,
+    pub(crate) watch: Watch<'a>,
 }
 
 impl TaskInput<'_> {
@@ -33,7 +33,7 @@ impl TaskInput<'_> {
     ///
     /// # Errors
     /// The [`Refusal`] of the leg that cannot be done.
-    pub(super) fn plan(&self) -> Result<Plan, Refusal> {
+    pub(crate) fn plan(&self) -> Result<Plan, Refusal> {
         let cell = self.cell;
         let first = LegTask { cell, ranked: self.ranked, chosen: self.chosen, seed: self.scene.seed };
         let mut legs = match plan_leg(&first, &self.scene.motion, self.watch) {

@@ -16,4 +16,5 @@ mod situate;
 pub use perceive::synthetic_cloud;
 pub use run::Pipeline;
 
+pub(crate) use legs::TaskInput;
 pub(crate) use rank::{grasp_candidates, ranked, workcell};

@@ -2,7 +2,7 @@
 
 use super::space::ArmSpace;
 use super::upright::Tilt;
-use crate::collision::{Hit, Pair, Scratch, State};
+use crate::collision::{Hit, LANES, Pair, Scratch, Sifted, State};
 
 /// Where a straight motion is blocked.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,20 +31,27 @@ impl std::fmt::Display for EdgeCause {
     }
 }
 
-/// Above this displacement a proof is not tried, only touching is looked for, metres: no scene is that empty.
+/// Above this displacement a proof is not tried by the exact checker, metres: no scene is that empty.
 const COARSE_M: f64 = 0.3;
 
 /// The finest displacement at which a proof is asked for, metres, where the checker's margin is smaller.
 const FINEST_M: f64 = 1e-4;
+
+/// Motions along which nothing travels farther than this to either side of their middle, metres, are looked at one place
+/// after the other: that is rarely more than one.
+const SHORT_M: f64 = 0.004;
 
 impl ArmSpace {
     /// Where the straight motion from `from` to `to` is blocked; `None` proves that it is free all along.
     ///
     /// Along half of an interval no point of a body travels farther than the lever-arm bound
     /// ([`crate::collision::Checker::displacement_m`]) allows. If at the middle everything is farther apart than that,
-    /// nothing can touch anywhere in the interval, however thin it is; otherwise both halves are looked at in turn.
-    /// Halving ends where the travel is below the checker's margin (0.1 mm), because being free already means being
-    /// farther apart than that: no wall is stepped over.
+    /// nothing can touch anywhere in the interval, however thin it is; otherwise it is divided and its parts are looked
+    /// at in turn. Dividing ends where the travel is below the checker's margin (0.1 mm), because being free already means
+    /// being farther apart than that: no wall is stepped over.
+    ///
+    /// A sieve looks at sixteen intervals at once, with a travel of each body's ends of its own; the exact checker looks
+    /// at those that the sieve cannot tell.
     ///
     /// Both ends must be configurations of the arm; other lists count as blocked.
     pub fn edge_hit(&self, scratch: &mut Scratch, from: &[f64], to: &[f64]) -> Option<EdgeHit> {
@@ -75,37 +82,99 @@ impl ArmSpace {
         if let State::Hit(pair) = self.checker.state(scratch, to, None) {
             return Some((1.0, pair));
         }
-        let mut margins = std::mem::take(&mut scratch.margins);
-        let mut intervals = std::mem::take(&mut scratch.intervals);
-        let mut q = std::mem::take(&mut scratch.q);
-        self.checker.half_travel(from, to, &mut margins);
-        let farthest = margins.iter().copied().fold(0.0, f64::max);
-        intervals.clear();
-        intervals.push((0.0, 1.0));
-        let mut next = 0;
-        let mut found = None;
-        // Breadth first, so that the places looked at are spread over the motion and a blocked one is found early.
-        while let Some(&(begin, end)) = intervals.get(next) {
-            next += 1;
-            let width = end - begin;
-            let middle = 0.5 * (begin + end);
-            q.clear();
-            q.extend(from.iter().zip(to).map(|(a, b)| a + (b - a) * middle));
-            let travel = farthest * width;
-            let proof = travel > FINEST_M && travel < COARSE_M;
-            match self.checker.state(scratch, &q, proof.then_some((margins.as_slice(), width))) {
-                State::Hit(pair) => {
-                    found = Some((middle, pair));
-                    break;
-                }
-                State::Free if proof || travel <= FINEST_M => {}
-                _ => intervals.extend([(begin, middle), (middle, end)]),
-            }
-        }
-        scratch.margins = margins;
-        scratch.intervals = intervals;
-        scratch.q = q;
+        let mut work = Work {
+            margins: std::mem::take(&mut scratch.margins),
+            now: std::mem::take(&mut scratch.intervals),
+            next: std::mem::take(&mut scratch.later),
+            q: std::mem::take(&mut scratch.q),
+        };
+        self.checker.half_travel(from, to, &mut work.margins);
+        let found = self.search(scratch, &mut work, from, to);
+        scratch.margins = work.margins;
+        scratch.intervals = work.now;
+        scratch.later = work.next;
+        scratch.q = work.q;
         found
+    }
+
+    /// Looks at intervals of equal order of size together, so that the places looked at are spread over the motion and a
+    /// blocked one is found early.
+    fn search(&self, scratch: &mut Scratch, work: &mut Work, from: &[f64], to: &[f64]) -> Option<(f64, Pair)> {
+        let farthest_m = work.margins.iter().copied().fold(0.0, f64::max);
+        self.checker.prepare_travel(scratch, from, to);
+        work.now.clear();
+        work.next.clear();
+        divide(&[(0.0, 1.0)], if farthest_m < SHORT_M { 1 } else { LANES }, &mut work.now);
+        while !work.now.is_empty() {
+            for chunk in work.now.chunks(LANES) {
+                let middles = |k: usize| {
+                    let (begin, end) = chunk[k.min(chunk.len() - 1)];
+                    0.5 * (begin + end)
+                };
+                let mut sifted = [Sifted::Unknown; LANES];
+                if chunk.len() > FEW {
+                    work.q.clear();
+                    for k in 0..LANES {
+                        let middle = middles(k);
+                        work.q.extend(from.iter().zip(to).map(|(a, b)| a + (b - a) * middle));
+                    }
+                    let shares = std::array::from_fn(|k| {
+                        let (begin, end) = chunk[k.min(chunk.len() - 1)];
+                        ((end - begin) * SHARE_ROUND_UP) as f32
+                    });
+                    sifted = self.checker.sift(scratch, &work.q, shares);
+                }
+                for (k, &(begin, end)) in chunk.iter().enumerate() {
+                    let width = end - begin;
+                    let travel = farthest_m * width;
+                    match sifted[k] {
+                        Sifted::Proven => {}
+                        Sifted::Free if travel <= FINEST_M => {}
+                        Sifted::Free => work.next.push((begin, end)),
+                        Sifted::Unknown => {
+                            let middle = middles(k);
+                            work.q.clear();
+                            work.q.extend(from.iter().zip(to).map(|(a, b)| a + (b - a) * middle));
+                            let proof = travel > FINEST_M && travel < COARSE_M;
+                            let margins = proof.then_some((work.margins.as_slice(), width));
+                            match self.checker.state(scratch, &work.q, margins) {
+                                State::Hit(pair) => return Some((middle, pair)),
+                                State::Free if proof || travel <= FINEST_M => {}
+                                _ => work.next.push((begin, end)),
+                            }
+                        }
+                    }
+                }
+            }
+            // Few intervals are divided into as many parts as are looked at together.
+            let parts = (LANES / work.next.len().max(1)).max(2);
+            divide(&work.next, parts, &mut work.now);
+            work.next.clear();
+        }
+        None
+    }
+}
+
+/// So few intervals are not worth a chunk of the sieve.
+const FEW: usize = 2;
+
+/// Makes shares of the travel a little larger than they are, by more than their round-off.
+const SHARE_ROUND_UP: f64 = 1.0 + 1e-6;
+
+/// Lists that are reused from motion to motion.
+struct Work {
+    margins: Vec<f64>,
+    now: Vec<(f64, f64)>,
+    next: Vec<(f64, f64)>,
+    q: Vec<f64>,
+}
+
+/// Divides intervals into equal parts.
+fn divide(intervals: &[(f64, f64)], parts: usize, into: &mut Vec<(f64, f64)>) {
+    into.clear();
+    for &(begin, end) in intervals {
+        let cut = |k: usize| if k == parts { end } else { begin + (end - begin) * (k as f64 / parts as f64) };
+        into.extend((0..parts).map(|k| (cut(k), cut(k + 1))));
     }
 }
 

@@ -23,28 +23,27 @@ pub fn certify(cell: &Workcell, plan: &mut Plan) -> Result<(), Refusal> {
         }
         let leg = &plan.legs[phase.leg];
         let checker = cell.checker(&cell.situation(phase.kind, leg)?)?;
-        let mut scratch = Scratch::default();
         let positions = &phase.trajectory.positions;
-        let mut states = 0;
+        let mut walk: Vec<Vec<f64>> = Vec::with_capacity(DENSITY * positions.len());
         for (index, from) in positions.iter().enumerate() {
             let to = positions.get(index + 1).unwrap_or(from);
             for step in 0..DENSITY {
                 let u = step as f64 / DENSITY as f64;
-                let q: Vec<f64> = from.iter().zip(to).take(arm_joints).map(|(a, b)| a + (b - a) * u).collect();
-                states += 1;
-                if let Some(hit) = checker.first_hit(&mut scratch, &q) {
-                    return Ok(Err(Try {
-                        grasp: Some(leg.grasp.id),
-                        phase: Some(phase.kind),
-                        reason: format!("{hit} when the finished motion is walked again"),
-                        culprits: vec![hit.a, hit.b],
-                        q: q.into_iter().chain(from.iter().skip(arm_joints).copied()).collect(),
-                        carries: phase.carries,
-                    }));
-                }
+                walk.push(from.iter().zip(to).take(arm_joints).map(|(a, b)| a + (b - a) * u).collect());
             }
         }
-        Ok(Ok(states))
+        if let Some((index, hit)) = checker.first_hit_of_all(&mut Scratch::default(), &walk) {
+            let fingers = positions[index / DENSITY].iter().skip(arm_joints).copied();
+            return Ok(Err(Try {
+                grasp: Some(leg.grasp.id),
+                phase: Some(phase.kind),
+                reason: format!("{hit} when the finished motion is walked again"),
+                culprits: vec![hit.a, hit.b],
+                q: walk[index].iter().copied().chain(fingers).collect(),
+                carries: phase.carries,
+            }));
+        }
+        Ok(Ok(walk.len()))
     });
     let mut states = 0;
     for phase in walked {

@@ -73,6 +73,11 @@ impl PhaseKind {
         }
     }
 
+    /// Whether its way was searched, as opposed to followed along a line.
+    pub fn is_searched(self) -> bool {
+        matches!(self, Self::Reach | Self::Transport)
+    }
+
     /// Whether only the fingers move.
     pub fn is_of_fingers(self) -> bool {
         matches!(self, Self::Close | Self::Open)

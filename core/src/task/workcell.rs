@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::Isometry3;
 
-use super::{Leg, PhaseKind, Plan};
+use super::{Leg, Phase, PhaseKind, Plan};
 use crate::collision::{
     CarriedObject, Checker, CollisionError, CollisionModel, ConvexHull, Exhaustive, MayTouch, Party, World,
 };
@@ -206,13 +206,21 @@ impl Workcell {
     /// As [`Workcell::approaching`].
     pub fn rewalk(&self, plan: &Plan, density: usize) -> Result<Option<(PhaseKind, WalkHit)>, CollisionError> {
         for phase in plan.phases.iter().filter(|phase| !phase.kind.is_of_fingers()) {
-            let Situation { world, carried, may_touch, q_rest } = self.situation(phase.kind, &plan.legs[phase.leg])?;
-            let judge = Exhaustive::new(&self.model, &world, carried.as_ref(), &may_touch)?;
-            if let Some(hit) = walk(&judge, &plan.dofs, &q_rest, &phase.trajectory, density) {
+            if let Some(hit) = self.rewalk_phase(plan, phase, density)? {
                 return Ok(Some((phase.kind, hit)));
             }
         }
         Ok(None)
+    }
+
+    /// As [`Workcell::rewalk`], one phase of the plan.
+    ///
+    /// # Errors
+    /// As [`Workcell::approaching`].
+    pub fn rewalk_phase(&self, plan: &Plan, phase: &Phase, density: usize) -> Result<Option<WalkHit>, CollisionError> {
+        let Situation { world, carried, may_touch, q_rest } = self.situation(phase.kind, &plan.legs[phase.leg])?;
+        let judge = Exhaustive::new(&self.model, &world, carried.as_ref(), &may_touch)?;
+        Ok(walk(&judge, &plan.dofs, &q_rest, &phase.trajectory, density))
     }
 
     /// As [`Workcell::supports`], of several poses together.

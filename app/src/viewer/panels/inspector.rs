@@ -28,7 +28,9 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
             area.show(&mut ui, |ui| {
                 ui.set_max_width(width);
                 match step {
-                    Step::Stage(stage) if is_refused(state, stage) => refused(ui, state, stage, out),
+                    Step::Stage(stage) if is_refused(state, stage) && stage != Stage::Plan => {
+                        refused(ui, state, stage, out)
+                    }
                     Step::Stage(Stage::Scene) => scene::draw(ui, state, out),
                     Step::Stage(Stage::Segment) => segment::draw(ui, state, out),
                     Step::Stage(Stage::Fit) => fit::draw(ui, state, out),
@@ -92,12 +94,6 @@ fn refused(ui: &mut Ui, state: &ViewerState, stage: Stage, out: &mut Out) {
     }
     ui.add_space(12.0);
     ui.horizontal(|ui| {
-        if stage == Stage::Plan
-            && state.document.grasp.is_some()
-            && crate::viewer::widgets::primary_button(ui, "Try all grasps", true).clicked()
-        {
-            out.push(crate::viewer::Command::PlanWithGrasp(None));
-        }
         if state.can_undo() && crate::viewer::widgets::secondary_button(ui, "Undo the last change", true).clicked() {
             out.push(crate::viewer::Command::Undo);
         }

@@ -10,28 +10,31 @@ use crate::viewer::theme::{BODY, SECONDARY, SMALL_RADIUS, Tokens, font};
 use crate::viewer::widgets::{focus_ring, section, text_in};
 use crate::viewer::{Command, Layer, ViewerState};
 
-const ROW: f32 = 25.0;
+/// Height of a row where there is room for it, and where there is little, points.
+const ROW: [f32; 2] = [25.0, 18.5];
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     ui.add_space(4.0);
     section(ui, "Shown");
     ui.add_space(2.0);
+    let height = ui.available_height() / Layer::ALL.len() as f32;
+    let height = height.max(ROW[1]).min(ROW[0]);
     egui::ScrollArea::vertical().id_salt("Shown").auto_shrink([false, true]).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
         for layer in Layer::ALL {
-            row(ui, state, layer, out);
+            row(ui, state, layer, height, out);
         }
     });
 }
 
-fn row(ui: &mut Ui, state: &ViewerState, layer: Layer, out: &mut Out) {
+fn row(ui: &mut Ui, state: &ViewerState, layer: Layer, height: f32, out: &mut Out) {
     let tokens = Tokens::of(ui);
     let view = state.layers.get(layer);
-    let (rect, row) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
+    let (rect, row) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
     let swatch = Rect::from_center_size(pos2(rect.left() + 4.5, rect.center().y), vec2(9.0, 9.0));
     let color = color(layer, tokens);
     ui.painter().rect_filled(swatch, 2.5, if view.visible { color } else { color.gamma_multiply(0.35) });
-    let eye = Rect::from_center_size(pos2(rect.right() - 9.0, rect.center().y), vec2(24.0, 22.0));
+    let eye = Rect::from_center_size(pos2(rect.right() - 9.0, rect.center().y), vec2(24.0, height.min(22.0)));
     let opacity = Rect::from_min_max(pos2(eye.left() - 46.0, rect.top()), pos2(eye.left() - 2.0, rect.bottom()));
     let text = Rect::from_min_max(pos2(rect.left() + 17.0, rect.top()), pos2(opacity.left() - 2.0, rect.bottom()));
     let label = label(state, layer);
@@ -87,6 +90,9 @@ fn color(layer: Layer, tokens: &Tokens) -> Color32 {
         Layer::Clusters => tokens.blue.lerp_to_gamma(tokens.teal, 0.6),
         Layer::Fits => tokens.teal,
         Layer::Goal | Layer::Path => tokens.amber,
+        Layer::Routes => tokens.violet.lerp_to_gamma(tokens.amber, 0.5),
+        Layer::Ghosts => tokens.blue.lerp_to_gamma(tokens.slate, 0.4),
+        Layer::Swept => tokens.blue.lerp_to_gamma(tokens.violet, 0.5),
         Layer::Grasps => tokens.violet,
         Layer::Rejected => tokens.coral,
         Layer::Contacts => tokens.slate.lerp_to_gamma(tokens.text, 0.6),
@@ -111,6 +117,11 @@ fn label(state: &ViewerState, layer: Layer) -> String {
         Layer::Grasps => counted(accepted(true)),
         Layer::Rejected => counted(accepted(false)),
         Layer::Contacts => counted(state.selected_grasp().map(|grasp| grasp.contacts.len())),
-        Layer::Fits | Layer::Goal | Layer::Path => layer.title().to_owned(),
+        Layer::Routes => {
+            let routes = outputs.plan.as_ref().map(|plan| plan.routes.len());
+            counted(routes.filter(|&count| count > 0))
+        }
+        Layer::Ghosts => counted(Some(state.planning.ghosts)),
+        Layer::Fits | Layer::Goal | Layer::Path | Layer::Swept => layer.title().to_owned(),
     }
 }

@@ -6,6 +6,7 @@ mod gallery;
 mod grasps;
 mod help;
 mod inspector;
+mod joints;
 mod layer_list;
 mod plan;
 mod play;
@@ -21,7 +22,7 @@ use endcomfort_core::fit::ObjectiveKind;
 
 use super::layout::Layout;
 use super::widgets::panel;
-use super::{Command, LabCommand, Overlay, ViewerState, keys};
+use super::{Command, LabCommand, Overlay, PlanCommand, ViewerState, keys};
 
 /// What the panels collect in one pass.
 #[derive(Default)]
@@ -33,6 +34,10 @@ struct Out {
     cluster: Option<usize>,
     /// The objective whose row is under the pointer.
     objective: Option<ObjectiveKind>,
+    /// The try whose row is under the pointer.
+    tried: Option<usize>,
+    /// The route whose row is under the pointer.
+    route: Option<usize>,
 }
 
 impl Out {
@@ -75,6 +80,12 @@ fn follow_pointer(ui: &Ui, state: &ViewerState, layout: &Layout, out: &mut Out) 
     });
     if state.lab.hovered != out.objective {
         out.commands.push(Command::Lab(LabCommand::HoverObjective(out.objective)));
+    }
+    if state.planning.hovered_try != out.tried {
+        out.commands.push(Command::Planning(PlanCommand::HoverTry(out.tried)));
+    }
+    if state.planning.hovered_route != out.route {
+        out.commands.push(Command::Planning(PlanCommand::HoverRoute(out.route)));
     }
     if over_panel {
         if state.hover.grasp != out.grasp {

@@ -3,17 +3,25 @@
 use egui::Ui;
 use endcomfort_core::job::Stage;
 
-use super::Out;
 use super::inspector::nothing_yet;
+use super::{Out, joints};
+use crate::viewer::fields::tabs;
 use crate::viewer::theme::{SECONDARY, Tokens};
 use crate::viewer::widgets::{key_value, paragraph, primary_button, section, title};
-use crate::viewer::{Command, ViewerState, format, playback};
+use crate::viewer::{Command, PlanCommand, PlayPage, ViewerState, format, playback};
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     let tokens = Tokens::of(ui);
     let Some(plan) = &state.outputs.plan else { return nothing_yet(ui, state, Stage::Plan) };
     let time_s = state.playback.time_s;
     let Some(phase) = playback::phase_at(plan, time_s) else { return };
+    let titles = PlayPage::ALL.map(PlayPage::title);
+    if let Some(index) = tabs(ui, &titles, Some(state.planning.play_page as usize)) {
+        out.push(Command::Planning(PlanCommand::PlayPage(PlayPage::ALL[index])));
+    }
+    if state.planning.play_page == PlayPage::Joints {
+        return joints::draw(ui, state, plan, out);
+    }
     title(ui, &format::title_of(phase.kind.name()));
     let what = if phase.carries { "The hand carries the object." } else { "The hand is free." };
     let _text = paragraph(ui, what, SECONDARY, tokens.secondary);

@@ -26,6 +26,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         ui.multiply_opacity(0.45);
     }
     phases(ui, plan, track, state.duration_s());
+    legs(ui, plan, track, state.duration_s());
     curve(ui, state, plan, track, pointed);
 }
 
@@ -57,6 +58,15 @@ fn controls(ui: &mut Ui, state: &ViewerState, plan: &Plan, row: Rect, pointed: O
     if icon_button(ui, icon, word, true, false).clicked() {
         out.push(Command::SetPlaying(!playback.playing));
     }
+    for (icon, word, forth) in
+        [(Icon::StepBack, "One sample back (,)", false), (Icon::StepForth, "One sample forth (.)", true)]
+    {
+        if icon_button(ui, icon, word, true, false).clicked() {
+            out.push(Command::StepSample { forth });
+        }
+        ui.add_space(-6.0);
+    }
+    ui.add_space(6.0);
     // A fixed place for the time, so that nothing after it moves while it runs.
     let (rect, _) = ui.allocate_exact_size(vec2(118.0, 24.0), Sense::hover());
     let now = ui.painter().text(
@@ -189,6 +199,24 @@ fn phases(ui: &Ui, plan: &Plan, track: Rect, duration_s: f64) {
             ui.painter().galley(rect.min, galley, tokens.secondary);
             taken.push(rect);
         }
+    }
+}
+
+/// Where the object is grasped anew: a line through everything, the number of the hold beside it.
+fn legs(ui: &Ui, plan: &Plan, track: Rect, duration_s: f64) {
+    if plan.legs.len() < 2 {
+        return;
+    }
+    let tokens = Tokens::of(ui);
+    for (leg, about) in plan.legs.iter().enumerate() {
+        let Some(first) = plan.phases.iter().find(|phase| phase.leg == leg) else { continue };
+        let x = x_of(track, first.start_s, duration_s);
+        if leg > 0 {
+            ui.painter().vline(x, track.y_range(), Stroke::new(1.5, tokens.faint));
+        }
+        let text = format!("{} hold, grasp {}", format::ordinal(leg + 1), about.grasp.id);
+        let at = pos2(x + if leg > 0 { 6.0 } else { 0.0 }, track.bottom());
+        let _rect = ui.painter().text(at, Align2::LEFT_BOTTOM, text, font(SMALL), tokens.secondary);
     }
 }
 

@@ -12,11 +12,12 @@ use endcomfort_core::job::{
 };
 use endcomfort_core::plan::Trajectory;
 use endcomfort_core::rng::Rng;
+use endcomfort_core::robot::JointLimit;
 use endcomfort_core::robot::ik::Arc as ArmArc;
 use endcomfort_core::scene::{ArmChoice, Obstacle, PlacedObject, SCENE_VERSION, Scene, TableTop, Task};
 use endcomfort_core::segment::{Plane, PointFate, SegmentSettings};
 use endcomfort_core::superquadric::Superquadric;
-use endcomfort_core::task::{Certificate, Leg, MotionSettings, Phase, PhaseKind, Plan, Try};
+use endcomfort_core::task::{Certificate, Leg, MotionSettings, Phase, PhaseKind, Plan, Route, Try};
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 
 use crate::viewer::{Demo, Document, RobotChoice, ViewerState};
@@ -329,6 +330,18 @@ fn candidates() -> Vec<Grasp> {
 }
 
 fn plan(grasp: Grasp) -> Plan {
+    let robot = crate::assets::library().robot("crichton").expect("it travels inside the program");
+    let arm = robot.arm("right").expect("it has two arms");
+    let dofs: Vec<usize> = arm.dofs.iter().chain(arm.hand.fingers.iter().flatten()).copied().collect();
+    let limits = dofs.iter().map(|&dof| robot.joints[robot.dof_joints[dof]].limit);
+    let limits: Vec<JointLimit> = limits.collect();
+    let waves = |t: f64| -> Vec<f64> {
+        let wave = |(k, limit): (usize, &JointLimit)| {
+            let u = 0.5 + 0.38 * (0.45 * t + 1.3 * k as f64).sin();
+            limit.lower + u * (limit.upper - limit.lower)
+        };
+        limits.iter().enumerate().map(wave).collect()
+    };
     let mut start_s = 0.0;
     let kinds = [
         (PhaseKind::Reach, 3.5),
@@ -351,30 +364,71 @@ fn plan(grasp: Grasp) -> Plan {
                 carries: matches!(kind, PhaseKind::Lift | PhaseKind::Transport | PhaseKind::Place),
                 manipulability: times_s.iter().map(at).collect(),
                 clearance_m: times_s.iter().map(|t| 0.02 + 0.5 * at(t)).collect(),
-                trajectory: Trajectory { positions: times_s.iter().map(|t| vec![*t; 9]).collect(), times_s },
+                trajectory: Trajectory { positions: times_s.iter().map(|t| waves(start_s + t)).collect(), times_s },
             };
             start_s += length_s;
             phase
         })
         .collect();
     Plan {
-        tcp_link: 0,
+        tcp_link: arm.hand.tcp_link,
         arm: "right".to_owned(),
         legs: vec![Leg { grasp, X_WO_start: Isometry3::identity(), X_WO_end: Isometry3::identity() }],
         phases,
-        q_start: vec![0.0; 16],
-        dofs: (0..9).collect(),
-        tries: vec![Try {
-            grasp: Some(131),
-            phase: Some(PhaseKind::Transport),
-            reason: "the carried glass meets the cracker box".to_owned(),
-            culprits: vec!["object".to_owned(), "cracker box".to_owned()],
-            q: Vec::new(),
-            carries: true,
-        }],
-        routes: Vec::new(),
+        q_start: robot.posture("home").expect("it waits there").to_vec(),
+        dofs,
+        tries: tries(&waves(6.0)),
+        routes: routes(),
         certificate: Certificate { states: 1640, density: 4 },
     }
+}
+
+/// What was tried in vain, in a posture of arm and fingers.
+pub(super) fn tries(q: &[f64]) -> Vec<Try> {
+    [
+        (131, PhaseKind::Transport, "the carried glass meets the cracker box", ["object", "cracker box"], true),
+        (
+            262,
+            PhaseKind::Transport,
+            "right_upper_arm_link meets the shelf board on every way that was found",
+            ["right_upper_arm_link", "shelf board"],
+            true,
+        ),
+        (393, PhaseKind::Retreat, "no straight way: right_palm meets the table", ["right_palm", "table"], false),
+    ]
+    .map(|(grasp, phase, reason, culprits, carries)| Try {
+        grasp: Some(grasp),
+        phase: Some(phase),
+        reason: reason.to_owned(),
+        culprits: culprits.map(str::to_owned).to_vec(),
+        q: q.to_vec(),
+        carries,
+    })
+    .to_vec()
+}
+
+fn routes() -> Vec<Route> {
+    let bow = |side: f64, up: f64| -> Vec<Point3<f64>> {
+        let at = |k: i32| {
+            let u = f64::from(k) / 12.0;
+            let bump = (std::f64::consts::PI * u).sin();
+            Point3::new(0.6 + side * bump, -0.2 + 0.44 * u, 0.9 + up * bump)
+        };
+        (0..=12).map(at).collect()
+    };
+    let route = |points_W, length_m, clearance_m, duration_s: Option<f64>, chosen| Route {
+        points_W,
+        length_m,
+        clearance_m,
+        duration_s,
+        refused: duration_s.is_none().then(|| "joint 6 reaches its limit after 0.31 m".to_owned()),
+        chosen,
+    };
+    vec![
+        route(bow(0.0, 0.2), 0.612, 0.041, Some(3.42), true),
+        route(bow(-0.25, 0.05), 0.743, 0.058, Some(4.1), false),
+        route(bow(0.3, 0.05), 0.811, 0.022, None, false),
+    ]
 }
 
 fn elbow_meets_table() -> Obstruction {

@@ -6,6 +6,7 @@ mod grasping;
 mod invented;
 mod lab;
 mod pictures;
+mod plans;
 mod view;
 
 use egui_kittest::Harness;

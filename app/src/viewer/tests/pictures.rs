@@ -1,12 +1,15 @@
 //! The whole interface as pictures. `ENDCOMFORT_LOOK=<folder>` keeps them for looking at.
 
 use endcomfort_core::grasp::{ApproachCone, GraspFilter, GraspSettings, RankBy, RankSettings, Region};
-use endcomfort_core::job::{Refusal, Stage, Update};
+use endcomfort_core::job::{Output, Refusal, Stage, Update};
 use nalgebra::{Point3, Vector3};
 
 use super::{Page, invented, page};
 use crate::viewer::state::{IkChoice, Side, Situation, Step};
-use crate::viewer::{ColumnSet, Command, GraspCommand, GraspPage, LabCommand, LabPage, Overlay, Tokens, ViewerState};
+use crate::viewer::{
+    ColumnSet, Command, GraspCommand, GraspPage, LabCommand, LabPage, Overlay, PlanCommand, PlanPage, PlayPage, Tokens,
+    ViewerState,
+};
 
 const LARGE: [f32; 2] = [1440.0, 900.0];
 const SMALL: [f32; 2] = [1280.0, 720.0];
@@ -81,10 +84,8 @@ fn refused() -> ViewerState {
         "None of the 37 grasps can be carried to the goal: the glass meets the shelf board on every path. Move the \
          board or choose a lower goal.",
     )
-    .with_details(vec![
-        "grasp 1: transport, the carried glass meets the shelf board".to_owned(),
-        "grasp 2: place, the right wrist meets the cracker box".to_owned(),
-    ]);
+    .with_details(vec!["375 of 412 candidates were rejected before: 96 of them hit the table.".to_owned()]);
+    let refusal = Refusal { tries: invented::tries(&[0.3; 7]), ..refusal };
     let _announced = state.receive(Update::Refused { revision: state.revision, stage: Stage::Plan, refusal });
     state
 }
@@ -105,6 +106,31 @@ fn running() -> ViewerState {
     state
 }
 
+/// A page of the inspector at the step Plan.
+fn plan(page: PlanPage) -> ViewerState {
+    let show = Command::Planning(PlanCommand::ShowTry((page == PlanPage::Tried).then_some(1)));
+    with(at(Step::Stage(Stage::Plan)), [show, Command::Planning(PlanCommand::Page(page))])
+}
+
+/// A plan beside another one that was kept.
+fn plans_compared() -> ViewerState {
+    let mut state = with(plan(PlanPage::Plan), [Command::Planning(PlanCommand::Keep), Command::SetSeed(8)]);
+    for (elapsed_ms, mut output) in invented::outputs() {
+        if let Output::Plan(plan) = &mut output {
+            plan.phases.pop();
+            plan.tries.pop();
+        }
+        invented::done(&mut state, elapsed_ms, output);
+    }
+    with(state, [Command::Seek(4.62)])
+}
+
+/// Joints over time: of all, or of one.
+fn joints(joint: Option<usize>) -> ViewerState {
+    let commands = [PlanCommand::PlayPage(PlayPage::Joints), PlanCommand::PlotJoint(joint)];
+    with(at(Step::Play), commands.map(Command::Planning))
+}
+
 /// Every picture is drawn, has the theme's panel colour where the panels are, and no text falls out of the font
 /// (the harness fails on a missing glyph).
 #[test]
@@ -123,6 +149,16 @@ fn every_screen_is_drawn_in_both_themes() {
         ("gallery", NARROW, with(at(rank), [Command::Show(Overlay::Gallery)])),
         ("help", SMALL, with(at(rank), [Command::Show(Overlay::Help)])),
         ("play", SMALL, at(Step::Play)),
+        ("plan-tried", SMALL, plan(PlanPage::Tried)),
+        ("plan-routes", SMALL, plan(PlanPage::Routes)),
+        ("plan-settings", SMALL, plan(PlanPage::Settings)),
+        ("plan-settings", LARGE, plan(PlanPage::Settings)),
+        ("plan-compared", SMALL, plans_compared()),
+        ("plan-compared", LARGE, plans_compared()),
+        ("plan-compared", PHONE, with(plans_compared(), [Command::ToggleDrawer(Side::Right)])),
+        ("play-joints", SMALL, joints(None)),
+        ("play-joints", LARGE, joints(None)),
+        ("play-joint", SMALL, joints(Some(3))),
         ("fresh", SMALL, invented::fresh()),
     ];
     for stage in [Stage::Scene, Stage::Segment, Stage::Fit, Stage::Grasps, Stage::Plan] {

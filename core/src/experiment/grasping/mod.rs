@@ -7,6 +7,7 @@
 mod cases;
 mod feasible;
 mod known;
+mod motion;
 mod prioritization;
 mod priority_row;
 mod reference;
@@ -15,6 +16,7 @@ mod testing;
 
 pub use cases::Condition;
 pub use feasible::{ENOUGH, FeasibleCase, FeasibleOutcome, FeasibleRow, run_feasible};
+pub use motion::{MotionCase, MotionOutcome, MotionRow, Planned, run_motion};
 pub use prioritization::{PrioritizationOutcome, run_prioritization};
 pub use priority_row::{Excluded, ExcludedCounts, PriorityCase, PriorityRow};
 pub use reference::{ThesisPriority, thesis_priority};
@@ -23,6 +25,7 @@ use std::sync::Arc;
 
 use super::ExperimentRefusal;
 use crate::library::Library;
+use crate::task::Planner;
 
 /// An experiment on grasps by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,17 +34,20 @@ pub enum GraspExperiment {
     Prioritization,
     /// How many grasps each object offers each robot.
     Grasps,
+    /// Whole pick-and-place plans on random cases.
+    Motion,
 }
 
 impl GraspExperiment {
     /// All of them.
-    pub const ALL: [Self; 2] = [Self::Prioritization, Self::Grasps];
+    pub const ALL: [Self; 3] = [Self::Prioritization, Self::Grasps, Self::Motion];
 
     /// The name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Prioritization => "prioritization",
             Self::Grasps => "grasps",
+            Self::Motion => "motion",
         }
     }
 
@@ -51,6 +57,9 @@ impl GraspExperiment {
             Self::Prioritization => "Table 5.1: which order of the grasps makes the first one work",
             Self::Grasps => {
                 "how many grasps each object offers each robot where it stands on the table, and why no more"
+            }
+            Self::Motion => {
+                "whole pick-and-place plans on random cases: success, time, and whether they keep their word"
             }
         }
     }
@@ -71,6 +80,8 @@ pub struct GraspExperimentSettings {
     pub clutter: usize,
     /// Whether grasps are accepted without looking at straight ways in and out, as in the thesis.
     pub any_way: bool,
+    /// What plans look for their way with (experiment `motion`).
+    pub planner: Planner,
     /// Seed of everything random.
     pub seed: u64,
     /// One case after the other on one processor, so that times mean something.

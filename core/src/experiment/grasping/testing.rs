@@ -19,6 +19,7 @@ pub(super) fn settings(objects: &[&str]) -> GraspExperimentSettings {
         trials: Some(1),
         clutter: 0,
         any_way: false,
+        planner: Default::default(),
         seed: 1,
         is_serial: false,
     }

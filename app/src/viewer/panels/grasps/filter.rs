@@ -5,8 +5,8 @@ use endcomfort_core::grasp::{ApproachCone, GraspFilter, GraspSettings};
 use nalgebra::Vector3;
 
 use super::explain;
-use super::settings::{is_open, row};
-use crate::viewer::number::{Number, Touch, number};
+use super::settings::is_open;
+use crate::viewer::number::{Number, Touch, number, number_row};
 use crate::viewer::panels::Out;
 use crate::viewer::theme::{BODY, SECONDARY, Tokens, font};
 use crate::viewer::widgets::{primary_button, secondary_button, section, segmented_wide};
@@ -27,7 +27,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     section(ui, "Clearance");
     let tip = "Of the closed hand, from table and neighbours";
     let field = Number { name: "Clearance, mm", unit: "mm", decimals: 0, per_point: 0.2, tip };
-    if let Some(mm) = row(ui, &field, 1e3 * present.min_clearance_m, "away from table and neighbours") {
+    if let Some(mm) = number_row(ui, &field, 1e3 * present.min_clearance_m, "away from table and neighbours") {
         edit.wanted.min_clearance_m = 1e-3 * mm.max(0.0).min(1000.0);
     }
 

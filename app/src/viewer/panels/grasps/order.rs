@@ -5,8 +5,7 @@ use endcomfort_core::grasp::{RankBy, RankSettings, Weights};
 use endcomfort_core::scene::{MAX_ARM_ANGLES, MAX_WEIGHT};
 
 use super::explain;
-use super::settings::row;
-use crate::viewer::number::Number;
+use crate::viewer::number::{Number, number_row};
 use crate::viewer::panels::Out;
 use crate::viewer::widgets::{secondary_button, section, segmented_wide};
 use crate::viewer::{Command, GraspCommand, ViewerState};
@@ -50,7 +49,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         section(ui, "Weights");
         for (name, weight) in fields(&mut wanted.weights) {
             let field = Number { name, unit: "", decimals: 2, per_point: 0.01, tip: "0 leaves the term out" };
-            if let Some(value) = row(ui, &field, *weight, weight_title(name)) {
+            if let Some(value) = number_row(ui, &field, *weight, weight_title(name)) {
                 *weight = value.max(0.0).min(MAX_WEIGHT);
             }
         }
@@ -59,7 +58,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     section(ui, "IK sets");
     let tip = "Arm angles over a full turn at which every branch is solved";
     let field = Number { name: "Arm angles", unit: "", decimals: 0, per_point: 0.1, tip };
-    if let Some(angles) = row(ui, &field, present.arm_angles as f64, "arm angles over a full turn") {
+    if let Some(angles) = number_row(ui, &field, present.arm_angles as f64, "arm angles over a full turn") {
         wanted.arm_angles = angles.max(1.0).min(MAX_ARM_ANGLES).round() as usize;
     }
     ui.add_space(10.0);

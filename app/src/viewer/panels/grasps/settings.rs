@@ -5,9 +5,8 @@ use endcomfort_core::grasp::{ContactSurface, GraspFilter, GraspSettings};
 use endcomfort_core::scene::{ArmChoice, MAX_DENSITY, MAX_DEPTHS, MAX_NOISE_TRIALS, MAX_ROLLS};
 
 use super::explain;
-use crate::viewer::number::{Number, Touch, number};
+use crate::viewer::number::{Number, number_row};
 use crate::viewer::panels::Out;
-use crate::viewer::theme::{BODY, Tokens, font};
 use crate::viewer::widgets::{secondary_button, section, segmented_wide, switch};
 use crate::viewer::{Command, GraspCommand, ViewerState};
 
@@ -29,19 +28,19 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     section(ui, "Candidates");
     let whole = |name, unit, tip| Number { name, unit, decimals: 0, per_point: 0.1, tip };
     let field = whole("Density N", "", "Surface samples of each body; their number grows with the square");
-    if let Some(density) = row(ui, &field, f64::from(present.density), "density of the surface samples") {
+    if let Some(density) = number_row(ui, &field, f64::from(present.density), "density of the surface samples") {
         wanted.density = density.max(1.0).min(MAX_DENSITY).round() as u32;
     }
     let field = whole("Rolls", "", "Turns of the hand about its approach, evenly over half a turn");
-    if let Some(rolls) = row(ui, &field, f64::from(present.rolls), "rolls about the approach") {
+    if let Some(rolls) = number_row(ui, &field, f64::from(present.rolls), "rolls about the approach") {
         wanted.rolls = rolls.max(1.0).min(MAX_ROLLS).round() as u32;
     }
     let field = whole("Depths", "", "Stand-offs from the palm at the surface to the fingertips");
-    if let Some(depths) = row(ui, &field, f64::from(present.depths), "depths from palm to fingertips") {
+    if let Some(depths) = number_row(ui, &field, f64::from(present.depths), "depths from palm to fingertips") {
         wanted.depths = depths.max(1.0).min(MAX_DEPTHS).round() as u32;
     }
     let field = whole("Contacts at least", "", "Grasps with fewer contacts are dropped");
-    if let Some(contacts) = row(ui, &field, present.min_contacts as f64, "contacts at least") {
+    if let Some(contacts) = number_row(ui, &field, present.min_contacts as f64, "contacts at least") {
         wanted.min_contacts = contacts.max(1.0).min(20.0).round() as usize;
     }
 
@@ -60,21 +59,23 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     );
     ui.add_space(4.0);
     let field = Number { name: "Friction", unit: "", decimals: 2, per_point: 0.01, tip: "Coulomb, at every contact" };
-    if let Some(friction) = row(ui, &field, present.friction, "friction coefficient") {
+    if let Some(friction) = number_row(ui, &field, present.friction, "friction coefficient") {
         wanted.friction = friction.max(0.01).min(5.0);
     }
 
     section(ui, "Pose noise");
     let field = whole("Noise trials", "", "0 leaves the success probability out");
-    if let Some(trials) = row(ui, &field, f64::from(present.noise.trials), "poses tried per grasp") {
+    if let Some(trials) = number_row(ui, &field, f64::from(present.noise.trials), "poses tried per grasp") {
         wanted.noise.trials = trials.max(0.0).min(MAX_NOISE_TRIALS).round() as u32;
     }
     let field = Number { name: "Position σ, mm", unit: "mm", decimals: 1, per_point: 0.1, tip: "Along each axis" };
-    if let Some(mm) = row(ui, &field, 1e3 * present.noise.position_m, "standard deviation of the position") {
+    if let Some(mm) = number_row(ui, &field, 1e3 * present.noise.position_m, "standard deviation of the position") {
         wanted.noise.position_m = 1e-3 * mm.max(0.0).min(100.0);
     }
     let field = Number { name: "Rotation σ, °", unit: "°", decimals: 1, per_point: 0.1, tip: "About each axis" };
-    if let Some(deg) = row(ui, &field, present.noise.rotation_rad.to_degrees(), "standard deviation of the rotation") {
+    if let Some(deg) =
+        number_row(ui, &field, present.noise.rotation_rad.to_degrees(), "standard deviation of the rotation")
+    {
         wanted.noise.rotation_rad = deg.max(0.0).min(57.0).to_radians();
     }
     explain(ui, "How often a grasp still holds when the object is not quite where it was seen.");
@@ -87,21 +88,6 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     }
     if wanted != *present {
         out.push(Command::Grasping(GraspCommand::Settings(wanted)));
-    }
-}
-
-/// A number with words behind it; its new value once it is let go or typed.
-pub(super) fn row(ui: &mut Ui, field: &Number, value: f64, words: &str) -> Option<f64> {
-    let touch = ui.horizontal(|ui| {
-        let touch = number(ui, field, value, 84.0);
-        let color = Tokens::of(ui).text;
-        let _text = ui.label(egui::RichText::new(words).font(font(BODY)).color(color));
-        touch
-    });
-    ui.add_space(3.0);
-    match touch.inner {
-        Touch::Released(value) | Touch::Set(value) => Some(value),
-        Touch::None | Touch::Dragged(_) => None,
     }
 }
 

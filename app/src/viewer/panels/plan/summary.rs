@@ -1,43 +1,49 @@
-//! The plan: its phases, how close it comes to anything, and which grasps failed before.
+//! The plan in numbers, and its phases.
 
-use egui::{Align, Color32, Rect, Sense, Ui, pos2, vec2};
-use endcomfort_core::job::Stage;
-use endcomfort_core::task::{Phase, PhaseKind};
+use egui::{Align, Rect, Sense, Ui, pos2, vec2};
+use endcomfort_core::task::{Phase, Plan};
 
-use super::Out;
-use super::inspector::{heading, nothing_yet};
+use super::{color, compare};
+use crate::viewer::number::{Number, number_row};
+use crate::viewer::panels::Out;
 use crate::viewer::theme::{BODY, SECONDARY, Tokens, font};
-use crate::viewer::widgets::{key_value, key_value_colored, secondary_button, section, text_in};
-use crate::viewer::{Command, ViewerState, format, playback};
+use crate::viewer::widgets::{focus_ring, key_value, secondary_button, section, switch, text_in};
+use crate::viewer::{Command, Layer, PlanCommand, ViewerState, format, playback};
 
-pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
-    let tokens = Tokens::of(ui);
-    let Some(plan) = &state.outputs.plan else { return nothing_yet(ui, state, Stage::Plan) };
-    let failed = plan.tries.len();
-    let number = |id: u32| state.outputs.rank_of(id).map_or(format!("candidate {id}"), |rank| format!("grasp {rank}"));
-    let text = format!("Planned with {}", number(plan.grasp().id));
-    let sentence = match (state.document.grasp.is_some(), failed) {
-        (true, _) => "The grasp that you asked for.".to_owned(),
-        (false, 0) => "The best-ranked grasp worked at the first try.".to_owned(),
-        (false, _) => format!("{} of better rank failed before it.", format::plural(failed, "grasp")),
-    };
-    heading(ui, state, Stage::Plan, &text, &sentence);
+pub(super) fn draw(ui: &mut Ui, state: &ViewerState, plan: &Plan, out: &mut Out) {
     let _row = key_value(ui, "Arm", &plan.arm);
     let _row = key_value(ui, "Duration", &format::clock(state.duration_s()));
     if let Some((clearance_m, time_s)) = playback::closest(plan) {
         let text = format!("{} at {}", format::length(clearance_m), format::clock(time_s));
         let _row = key_value(ui, "Smallest clearance", &text);
     }
+    if plan.certificate.states > 0 {
+        let _row = key_value(ui, "Checked once more", &certificate(plan));
+    }
+    compare::draw(ui, state, out);
 
     section(ui, "Phases");
-    for phase in &plan.phases {
+    for (index, phase) in plan.phases.iter().enumerate() {
+        let is_first = index == 0 || plan.phases[index - 1].leg != phase.leg;
+        if plan.legs.len() > 1 && is_first {
+            let grasp = state.grasp_title(plan.legs[phase.leg].grasp.id);
+            let text = format!("{} hold", format::title_of(&format::ordinal(phase.leg + 1)));
+            let _row = key_value(ui, &text, &grasp);
+        }
         phase_row(ui, phase, out);
     }
-    if failed > 0 {
-        section(ui, "Failed before");
-        for tried in &plan.tries {
-            let name = tried.grasp.map_or_else(|| "Before".to_owned(), |id| format::title_of(&number(id)));
-            let _row = key_value_colored(ui, &name, &tried.reason, tokens.coral);
+
+    section(ui, "In the view");
+    for layer in [Layer::Ghosts, Layer::Swept] {
+        if switch(ui, layer.title(), state.layers.get(layer).visible) {
+            out.push(Command::ToggleLayer(layer));
+        }
+    }
+    if state.layers.get(Layer::Ghosts).visible {
+        let tip = "Evenly apart on the way of the hand";
+        let field = Number { name: "Ghosts", unit: "", decimals: 0, per_point: 0.1, tip };
+        if let Some(count) = number_row(ui, &field, state.planning.ghosts as f64, "ghosts of the arm along the way") {
+            out.push(Command::Planning(PlanCommand::Ghosts(count.round().max(1.0) as usize)));
         }
     }
     if state.document.grasp.is_some() {
@@ -48,15 +54,10 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     }
 }
 
-/// The colour of a phase on the timeline and in lists.
-pub(super) fn color(kind: PhaseKind, tokens: &Tokens) -> Color32 {
-    match kind {
-        PhaseKind::Reach => tokens.blue,
-        PhaseKind::Close | PhaseKind::Open => tokens.teal,
-        PhaseKind::Lift | PhaseKind::Place => tokens.amber.lerp_to_gamma(tokens.coral, 0.35),
-        PhaseKind::Transport | PhaseKind::Pour | PhaseKind::Slide => tokens.amber,
-        PhaseKind::Retreat => tokens.slate,
-    }
+/// What the certificate says: `8 240 states, 4 per sample`.
+fn certificate(plan: &Plan) -> String {
+    let states = format::count(plan.certificate.states);
+    format!("{states} states checked, {} per sample", plan.certificate.density)
 }
 
 fn phase_row(ui: &mut Ui, phase: &Phase, out: &mut Out) {
@@ -76,6 +77,7 @@ fn phase_row(ui: &mut Ui, phase: &Phase, out: &mut Out) {
         if closest.is_finite() { format!("clear by {} · {duration}", format::millimetres(closest)) } else { duration };
     let _text = text_in(ui, text, Align::Max, &numbers, font(SECONDARY), tokens.secondary);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, format!("Go to {name}")));
+    focus_ring(ui, &response, rect.expand2(vec2(6.0, 0.0)));
     if response.on_hover_text("Go to the start of this phase").clicked() {
         out.push(Command::Seek(phase.start_s));
     }
