@@ -4,6 +4,7 @@ use super::build::squared_distance_to_box;
 use super::checker::{Checker, Scratch};
 use super::frames::Rigid;
 use super::narrow::signed_distance;
+use super::sieve::Sieve;
 use super::solid::Solid;
 
 /// How far two ways of asking GJK for one distance may differ, metres: it stalls this near to the answer.
@@ -55,6 +56,8 @@ impl Checker {
             // Both of them have grown.
             pair.depth_m += if pair.depth_m > 0.0 { 2.0 * grown } else { 2.0 * grown - kept_m(*distance) };
         }
+        // The sieve knows the grown bodies but no allowed depth: what is allowed to be near it leaves to the exact checker.
+        kept.sieve = Sieve::new(&kept);
         kept
     }
 
