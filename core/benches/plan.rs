@@ -13,16 +13,16 @@ mod workload;
 use std::error::Error;
 use std::path::Path;
 
-use endcomfort_core::collision::{Checker, CollisionModel, Exhaustive, Scratch, World};
+use endcomfort_core::collision::{CarriedObject, Checker, CollisionModel, ConvexHull, Exhaustive, Scratch, World};
 use endcomfort_core::plan::{
     ArmSpace, BirrtSettings, MotionLimits, PlanOutcome, ShortcutSettings, TimingSettings, Upright, plan_path, shorten,
     time_path, walk, walk_path,
 };
 use endcomfort_core::rng::Rng;
 use endcomfort_core::robot::ik::ArmIk;
-use endcomfort_core::robot::{Arm, CollisionBody, Geometry, Hand, Robot, read_urdf};
+use endcomfort_core::robot::{Arm, CollisionBody, Geometry, Hand, Robot, load_robot, read_urdf};
 use endcomfort_core::watch::Watch;
-use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use report::{Report, now_ms};
 use serde::Deserialize;
 
@@ -59,11 +59,15 @@ fn main() -> Result<(), Box<dyn Error>> {
             }
         }
     }
+    bench_cloud(&model, &mut report)?;
+    for name in ["crichton", "alita"] {
+        bench_robot(name, &mut report)?;
+    }
     report.print();
     if blocked > 0 { Err(format!("{blocked} paths are blocked when walked again").into()) } else { Ok(()) }
 }
 
-/// One state check, a distance, and the making of a checker; each state is timed in a batch, as planners ask.
+/// The making of a checker of the bench arm, then [`time_states`].
 fn bench_states(set: &str, model: &CollisionModel, world: &World, report: &mut Report) -> Result<(), Box<dyn Error>> {
     let mut make_us = Vec::new();
     for _ in 0..100 {
@@ -71,9 +75,20 @@ fn bench_states(set: &str, model: &CollisionModel, world: &World, report: &mut R
         std::hint::black_box(Checker::for_arm(model, world, None, &[], 0, &[0.0; 7])?);
         make_us.push((now_ms() - begin_ms) * 1e3);
     }
+    report.add(set, "make the checker", "µs", make_us, "");
     let checker = Checker::for_arm(model, world, None, &[], 0, &[0.0; 7])?;
+    time_states(set, &checker, &|rng| (0..7).map(|_| rng.uniform(-2.1, 2.1)).collect(), report)
+}
+
+/// Checks drawn states one by one, in batches, and their distances.
+fn time_states(
+    set: &str,
+    checker: &Checker,
+    draw: &dyn Fn(&mut Rng) -> Vec<f64>,
+    report: &mut Report,
+) -> Result<(), Box<dyn Error>> {
     let mut rng = Rng::new(1, 0);
-    let states: Vec<Vec<f64>> = (0..STATES).map(|_| (0..7).map(|_| rng.uniform(-2.1, 2.1)).collect()).collect();
+    let states: Vec<Vec<f64>> = (0..STATES).map(|_| draw(&mut rng)).collect();
     let mut scratch = Scratch::default();
     let free: Vec<&Vec<f64>> = states.iter().filter(|q| checker.is_free(&mut scratch, q)).collect();
     let mut batches = |states: &[&Vec<f64>], check: &mut dyn FnMut(&mut Scratch, &[f64])| -> Vec<f64> {
@@ -111,8 +126,48 @@ fn bench_states(set: &str, model: &CollisionModel, world: &World, report: &mut R
     report.add(set, "check any state in batches", "ns", any_ns, "");
     report.add(set, "check a free state in batches", "ns", free_ns, passed);
     report.add(set, "distance of a free state", "µs", distance_us, format!("least {:.1} mm", nearest_m * 1e3));
-    report.add(set, "make the checker", "µs", make_us, "");
     if nearest_m < 0.0 { Err("a free state is in collision".into()) } else { Ok(()) }
+}
+
+/// A bowl of points around the arm's base, as the boxes of its occupied cells.
+fn bench_cloud(model: &CollisionModel, report: &mut Report) -> Result<(), Box<dyn Error>> {
+    let mut rng = Rng::new(2, 0);
+    let points: Vec<Point3<f64>> = (0..60_000)
+        .map(|_| Point3::from(rng.direction().component_mul(&Vector3::new(0.8, 0.8, 0.8)) * rng.uniform(0.99, 1.01)))
+        .filter(|p| p.x > 0.2)
+        .collect();
+    let mut world = World::new();
+    let count = world.add_cloud("bowl", &points, 0.02)?;
+    let set = format!("cloud of {} boxes", count.boxes);
+    bench_states(&set, model, &world, &mut *report)
+}
+
+/// One arm of a robot of ours above a table with five cans, carrying a can of many corners.
+fn bench_robot(name: &str, report: &mut Report) -> Result<(), Box<dyn Error>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../robots");
+    let text = |end: &str| std::fs::read_to_string(folder.join(name).join(format!("{name}.{end}")));
+    let mesh = |file: &str| std::fs::read(folder.join("meshes").join(file.rsplit('/').next()?)).ok();
+    let robot = load_robot(&text("urdf")?, &text("srdf")?, &mesh)?.value;
+    let model = CollisionModel::new(&robot)?;
+    let mut world = World::new();
+    world.add_box("table", Vector3::new(0.75, 1.5, 0.04), &Isometry3::translation(0.7, 0.0, 0.67))?;
+    let can: Vec<Point3<f64>> = (0..400)
+        .map(|k| {
+            let (sin, cos) = endcomfort_core::math::sin_cos(0.1 * f64::from(k));
+            Point3::new(0.035 * cos, 0.035 * sin, if k % 2 == 0 { -0.06 } else { 0.06 })
+        })
+        .collect();
+    let can = ConvexHull::new("can", &can)?;
+    for k in 0..5 {
+        let place = Isometry3::translation(0.6, 0.2 * f64::from(k) - 0.4, 0.75);
+        world.add_hull(&format!("can_{k}"), &can, &place)?;
+    }
+    let carried = CarriedObject::new("carried", &[can], &Isometry3::identity(), &robot, 0)?;
+    let q_rest = robot.postures.first().map_or_else(|| vec![0.0; robot.dof_joints.len()], |(_, q)| q.clone());
+    let checker = Checker::for_arm(&model, &world, Some(&carried), &[], 0, &q_rest)?;
+    let limits: Vec<_> = checker.dofs().iter().map(|&dof| robot.joints[robot.dof_joints[dof]].limit).collect();
+    let draw = |rng: &mut Rng| limits.iter().map(|l| rng.uniform(l.lower, l.upper)).collect();
+    time_states(&format!("{name}, carrying"), &checker, &draw, report)
 }
 
 /// Plans every pair with every seed; gives how many paths are blocked when walked again.

@@ -106,9 +106,12 @@ impl Checker {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::{Isometry3, Point3, Vector3};
+
     use super::*;
     use crate::collision::testing::{brick, random_q, scene, two_arm_robot};
-    use crate::collision::{CollisionModel, MayTouch, State};
+    use crate::collision::{CollisionError, CollisionModel, Exhaustive, MOST_TRIANGLES, MayTouch, State, World};
+    use crate::mesh::Mesh;
     use crate::plan::testing::Bench;
     use crate::rng::Rng;
     use crate::robot::{Robot, samples};
@@ -194,5 +197,70 @@ mod tests {
         }
         assert!(checker.first_hit_of_all(&mut scratch, &[vec![f64::NAN; robot.dof_joints.len()], vec![]]).is_some());
         assert_eq!(checker.surely_free(&mut scratch, &[vec![1e9; robot.dof_joints.len()]]), [false]);
+    }
+
+    /// A bowl of points and a bent sheet of triangles within reach of both arms.
+    fn rough_scene() -> World {
+        let mut world = scene();
+        let mut rng = Rng::new(8, 0);
+        let around = Vector3::new(0.5, 0.2, 0.9);
+        let shell = (0..4000).map(|_| Point3::from(around + rng.direction() * 0.2)).filter(|p| p.z < 0.9);
+        world.add_cloud("bowl", &shell.collect::<Vec<_>>(), 0.02).unwrap();
+        let mut sheet = Mesh::default();
+        for k in 0..=20_u32 {
+            let (sin, cos) = crate::math::sin_cos(0.15 * f64::from(k));
+            sheet.positions.extend([-0.2, 0.2].map(|z| Point3::new(0.25 * cos, 0.25 * sin, z)));
+            if k > 0 {
+                sheet.triangles.extend([[2 * k - 2, 2 * k - 1, 2 * k], [2 * k - 1, 2 * k + 1, 2 * k]]);
+            }
+        }
+        world.add_mesh("sheet", &sheet, &Isometry3::translation(0.6, -0.3, 1.1)).unwrap();
+        world
+    }
+
+    #[test]
+    fn many_obstacles_in_a_tree_are_met_as_in_the_loop_over_all_and_as_the_judge_says() {
+        let robot = two_arm_robot();
+        let model = CollisionModel::new(&robot).unwrap();
+        let (world, carried) = (rough_scene(), brick(&robot, 0));
+        let may = [MayTouch::carried("bowl", 0.01)];
+        let checker = Checker::whole(&model, &world, Some(&carried), &may).unwrap().with_margin(0.0);
+        assert!(checker.tree.is_some(), "{} obstacles", world.names().count());
+        let looped = Checker { tree: None, ..checker.clone() };
+        let judge = Exhaustive::new(&model, &world, Some(&carried), &may).unwrap();
+        let mut rng = Rng::new(9, 0);
+        let configurations: Vec<Vec<f64>> = (0..3_000).map(|_| random_q(&robot, &mut rng)).collect();
+        let answers = crate::parallel::map(&configurations, |q| {
+            let mut scratch = Scratch::default();
+            let answer = checker.is_free(&mut scratch, q);
+            assert_eq!(answer, looped.is_free(&mut scratch, q));
+            let judged = judge.first_hit_with_balls(q).is_none();
+            // Only a touch within the judge's own numerical tolerance may be judged differently.
+            assert!(answer == judged || judge.distance_m(q).abs() < 1e-6, "{:?}", judge.first_hit(q));
+            checker
+                .all_hits(&mut scratch, q)
+                .into_iter()
+                .map(|hit| hit.b)
+                .filter(|b| b == "bowl" || b == "sheet")
+                .count()
+        });
+        assert!(answers.iter().filter(|met| **met > 0).count() > 100, "the new obstacles must be met");
+        let (free, passed) = sifted(&robot, &checker.with_margin(1e-3), 20_000);
+        println!("{passed} of {free} free ones pass");
+        assert!(passed as f64 > 0.8 * free as f64, "{passed} of {free} free ones pass");
+    }
+
+    #[test]
+    fn a_mesh_is_its_triangles_and_what_is_missing_is_named() {
+        let mut world = World::new();
+        let mut mesh = Mesh { positions: vec![Point3::origin(); 3], ..Mesh::default() };
+        mesh.triangles.push([0, 1, 3]);
+        let refused = world.add_mesh("leaf", &mesh, &Isometry3::identity()).unwrap_err();
+        assert_eq!(refused.to_string(), "leaf: triangle 0 names corner 3 of 3");
+        mesh.triangles = vec![[0, 1, 2]; MOST_TRIANGLES + 1];
+        assert!(matches!(
+            world.add_mesh("leaf", &mesh, &Isometry3::identity()),
+            Err(CollisionError::TooMany { found, .. }) if found == MOST_TRIANGLES + 1
+        ));
     }
 }

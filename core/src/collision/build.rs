@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
-use super::checker::{CONTACT_M, Checker, Cluster, ConstantPair, Fixed, MovingPair, Owner};
+use super::checker::{CONTACT_M, Checker, Cluster, ConstantPair, Fixed, MovingPair, Obstacles, Owner};
 use super::frames::{MovingFrame, Rigid};
 use super::model::{CollisionError, CollisionModel};
 use super::setup::{CarriedObject, MayTouch, Party};
@@ -11,6 +11,9 @@ use super::solid::Solid;
 use super::world::World;
 use crate::math;
 use crate::robot::{Joint, JointKind};
+
+/// From this many obstacles on they are looked up in a tree instead of one after the other.
+const MANY: usize = 32;
 
 pub(crate) fn build(
     model: &CollisionModel,
@@ -27,6 +30,10 @@ pub(crate) fn build(
     let (frames, link_frames) = moving_frames(model, &dofs, q_rest);
     let mut fixed: Vec<Fixed> = Vec::new();
     let mut clusters: Vec<Cluster> = Vec::new();
+    fixed.extend(world.obstacles.iter().enumerate().map(|(index, obstacle)| {
+        let (solid, lower, upper) = (obstacle.solid_W.clone(), obstacle.lower, obstacle.upper);
+        Fixed { owner: Owner::Obstacle(index), solid, lower, upper }
+    }));
     let mut add = |owner: Owner, frame: usize, solids: Vec<Solid>| {
         if frame == 0 {
             fixed.extend(solids.into_iter().map(|solid| {
@@ -37,9 +44,6 @@ pub(crate) fn build(
             clusters.push(cluster(owner, frame, solids));
         }
     };
-    for (index, obstacle) in world.obstacles.iter().enumerate() {
-        add(Owner::Obstacle(index), 0, vec![obstacle.solid_W.clone()]);
-    }
     if let Some(carried) = carried {
         let (frame, X_FL) = link_frames
             .get(carried.tcp_link)
@@ -52,10 +56,22 @@ pub(crate) fn build(
     }
 
     let allowed = Allowed { model, world, carried, may_touch };
+    // A cloud is thousands of obstacles of one name: what holds for one holds for the next.
+    let is_same: Vec<bool> = fixed
+        .windows(2)
+        .map(|pair| match (pair[0].owner, pair[1].owner) {
+            (Owner::Obstacle(a), Owner::Obstacle(b)) => world.obstacles[a].name == world.obstacles[b].name,
+            _ => false,
+        })
+        .collect();
     for cluster in &mut clusters {
         let reach = reach(&frames, cluster);
+        let mut depth_m = None;
         for (index, thing) in fixed.iter().enumerate() {
-            let Some(depth_m) = allowed.depth_m(cluster.owner, thing.owner) else { continue };
+            if !(index > 0 && is_same[index - 1]) {
+                depth_m = allowed.depth_m(cluster.owner, thing.owner);
+            }
+            let Some(depth_m) = depth_m else { continue };
             let out_of_reach = reach.is_some_and(|(origin_W, radius)| {
                 squared_distance_to_box(&origin_W, &thing.lower, &thing.upper) > radius * radius
             });
@@ -79,9 +95,14 @@ pub(crate) fn build(
             }
         }
     }
-    for a in 0..fixed.len() {
+    // Obstacles stand first, and are not compared with each other.
+    for a in world.obstacles.len()..fixed.len() {
+        let mut depth_m = None;
         for b in 0..a {
-            if let Some(depth_m) = allowed.depth_m(fixed[a].owner, fixed[b].owner) {
+            if !(b > 0 && is_same[b - 1]) {
+                depth_m = allowed.depth_m(fixed[a].owner, fixed[b].owner);
+            }
+            if let Some(depth_m) = depth_m {
                 constant.push((ConstantPair::Fixed(a, b), depth_m));
             }
         }
@@ -101,6 +122,8 @@ pub(crate) fn build(
         obstacle_names: world.obstacles.iter().map(|obstacle| obstacle.name.clone()).collect(),
         carried_name: carried.map(|carried| carried.name.clone()).unwrap_or_default(),
         sieve: Sieve::default(),
+        tree: (world.obstacles.len() >= MANY)
+            .then(|| Obstacles { tree: world.tree().clone(), count: world.obstacles.len() }),
     };
     checker.sieve = Sieve::new(&checker);
     checker.constant_hit = checker.find_constant_hit();

@@ -1,5 +1,7 @@
 //! The checker: bodies sorted into what stands still and what moves, ready for many questions.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 
 use super::frames::{MovingFrame, Rigid};
@@ -8,6 +10,7 @@ use super::model::{CollisionError, CollisionModel};
 use super::setup::{CarriedObject, MayTouch};
 use super::sieve::Sieve;
 use super::solid::Solid;
+use super::tree::Tree;
 use super::world::World;
 
 /// Two things that touch, by the names of the URDF and of the world.
@@ -130,6 +133,15 @@ pub struct Checker {
     pub(crate) obstacle_names: Vec<String>,
     pub(crate) carried_name: String,
     pub(crate) sieve: Sieve,
+    /// Where there are many obstacles.
+    pub(crate) tree: Option<Obstacles>,
+}
+
+/// The first fixed bodies of a checker, which are the obstacles of its world, in a tree.
+#[derive(Clone, Debug)]
+pub(crate) struct Obstacles {
+    pub(crate) tree: Arc<Tree>,
+    pub(crate) count: usize,
 }
 
 /// Working memory of a checker's questions; one per thread, reused from call to call.

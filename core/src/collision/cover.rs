@@ -48,6 +48,10 @@ pub(crate) fn capsules(solid: &Solid) -> Vec<Capsule> {
             let end = Vector3::z() * (half_length - (wide * wide - radius * radius).sqrt()).max(0.0);
             vec![in_F(Capsule { a: -end, b: end, radius: wide })]
         }
+        Core::Triangle { corners } => {
+            let reach = corners.iter().map(|p| p.norm()).fold(0.0, f64::max);
+            vec![in_F(Capsule { a: Vector3::zeros(), b: Vector3::zeros(), radius: reach })]
+        }
         Core::Hull(hull) => hull.capsules().iter().copied().map(in_F).collect(),
     }
 }

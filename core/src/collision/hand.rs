@@ -62,7 +62,7 @@ impl HandChecker {
             model.solids_L[link].iter().map(move |solid| (link, solid.carried_by(&X_HL))).collect::<Vec<_>>()
         };
         let obstacles = world.obstacles.iter().map(|obstacle| {
-            let (lower, upper) = obstacle.solid_W.aabb();
+            let (lower, upper) = (obstacle.lower, obstacle.upper);
             let intended = may_touch
                 .iter()
                 .filter_map(|contact| match (&contact.a, &contact.b) {

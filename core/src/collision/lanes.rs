@@ -1,6 +1,7 @@
 //! The sieve's arithmetic: one chunk of configurations, the innermost index of every array.
 
-use super::sieve::{Group, Moving, Placed, Rod, Sieve};
+use super::sieve::{Group, Moving, Place, Placed, Rod, Sieve, single};
+use super::tree::Node;
 use crate::simd::Kernel;
 
 /// Configurations side by side.
@@ -61,36 +62,28 @@ impl<const TRAVEL: bool> Kernel for Chunk<'_, TRAVEL> {
         lanes.place(sieve, q);
         for (index, group) in sieve.groups.iter().enumerate() {
             lanes.carry(&sieve.capsules[group.begin..group.end], group.begin);
-            let farthest = farthest(travel, group);
-            let center = lanes.center(sieve, index);
-            macro_rules! against {
-                ($list:expr, $past:ident, $things:expr) => {
-                    for &thing in $list {
-                        let thing = &$things[thing];
-                        let around = (&thing.lower, &thing.upper);
-                        if !lanes.any_near(&center, group.radius + slack_m, farthest, &scale, around) {
-                            continue;
-                        }
-                        for capsule in group.begin..group.end {
-                            let moving = &sieve.capsules[capsule];
-                            let travel: [f32; 2] = if TRAVEL { travel[capsule] } else { [0.0; 2] };
-                            if group.end - group.begin > 1 {
-                                let middle = lanes.middle(capsule);
-                                let reach = moving.half + moving.radius + slack_m;
-                                let farthest = greater(travel[0], travel[1]);
-                                if !lanes.any_near(&middle, reach, farthest, &scale, around) {
-                                    continue;
-                                }
-                            }
-                            let gap = Gap { radius: moving.radius + slack_m, travel, scale: &scale };
-                            lanes.$past::<TRAVEL>(capsule, moving, thing, &gap);
-                        }
-                    }
+            let near = Near {
+                center: lanes.center(sieve, index),
+                reach: group.radius + slack_m,
+                way: farthest(travel, group),
+                scale: &scale,
+            };
+            let meet = Meet { sieve, slack_m, travel, scale: &scale };
+            if let Some(obstacles) = &sieve.tree {
+                let is_near = |lanes: &&mut Lanes, node: &Node| {
+                    lanes.any_near(&near, (&single(&node.lower), &single(&node.upper)))
                 };
+                let mut state = &mut *lanes;
+                obstacles.tree.visit(&mut state, is_near, |lanes, thing| {
+                    if group.in_tree[thing / 64] & (1 << (thing % 64)) != 0 {
+                        lanes.against::<TRAVEL>(group, &near, sieve.places[thing], &meet);
+                    }
+                    lanes.any()
+                });
             }
-            against!(&group.boxes, past_box, sieve.boxes);
-            against!(&group.cylinders, past_cylinder, sieve.cylinders);
-            against!(&group.rods, past_rod, sieve.rods);
+            for &thing in &group.against {
+                lanes.against::<TRAVEL>(group, &near, sieve.places[thing], &meet);
+            }
             if !lanes.any() {
                 return;
             }
@@ -127,6 +120,22 @@ impl<const TRAVEL: bool> Kernel for Chunk<'_, TRAVEL> {
             }
         }
     }
+}
+
+/// A ball that travels.
+struct Near<'a> {
+    center: [Lane; 3],
+    reach: f32,
+    way: f32,
+    scale: &'a Lane,
+}
+
+/// What holds for a whole chunk.
+struct Meet<'a> {
+    sieve: &'a Sieve,
+    slack_m: f32,
+    travel: &'a [[f32; 2]],
+    scale: &'a Lane,
 }
 
 /// What must lie between an axis and something: a radius, and the travel of the ends times each lane's scale.
@@ -191,6 +200,37 @@ impl Lanes {
         }
     }
 
+    /// Compares the capsules of a group with something that stands still.
+    #[inline(always)]
+    fn against<const TRAVEL: bool>(&mut self, group: &Group, near: &Near<'_>, place: Place, meet: &Meet<'_>) {
+        let Meet { sieve, slack_m, travel, scale } = *meet;
+        let around = match place {
+            Place::Box(index) => (&sieve.boxes[index].lower, &sieve.boxes[index].upper),
+            Place::Cylinder(index) => (&sieve.cylinders[index].lower, &sieve.cylinders[index].upper),
+            Place::Rod(index) => (&sieve.rods[index].lower, &sieve.rods[index].upper),
+        };
+        if !self.any_near(near, around) {
+            return;
+        }
+        for capsule in group.begin..group.end {
+            let moving = &sieve.capsules[capsule];
+            let travel: [f32; 2] = if TRAVEL { travel[capsule] } else { [0.0; 2] };
+            if group.end - group.begin > 1 {
+                let reach = moving.half + moving.radius + slack_m;
+                let way = greater(travel[0], travel[1]);
+                if !self.any_near(&Near { center: self.middle(capsule), reach, way, scale }, around) {
+                    continue;
+                }
+            }
+            let gap = Gap { radius: moving.radius + slack_m, travel, scale };
+            match place {
+                Place::Box(index) => self.past_box::<TRAVEL>(capsule, moving, &sieve.boxes[index], &gap),
+                Place::Cylinder(index) => self.past_cylinder::<TRAVEL>(capsule, moving, &sieve.cylinders[index], &gap),
+                Place::Rod(index) => self.past_rod::<TRAVEL>(capsule, moving, &sieve.rods[index], &gap),
+            }
+        }
+    }
+
     #[inline(always)]
     fn center(&self, sieve: &Sieve, group: usize) -> [Lane; 3] {
         let group = &sieve.groups[group];
@@ -224,8 +264,8 @@ impl Lanes {
 
     /// Whether a ball comes near an axis-aligned box in any configuration that is not given up.
     #[inline(always)]
-    fn any_near(&self, p: &[Lane; 3], reach: f32, way: f32, scale: &Lane, around: (&[f32; 3], &[f32; 3])) -> bool {
-        let (lower, upper) = around;
+    fn any_near(&self, near: &Near<'_>, (lower, upper): (&[f32; 3], &[f32; 3])) -> bool {
+        let Near { center: p, reach, way, scale } = near;
         let mut any = 0;
         for k in 0..LANES {
             let dx = greater(greater(lower[0] - p[0][k], p[0][k] - upper[0]), 0.0);

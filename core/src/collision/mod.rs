@@ -5,9 +5,15 @@
 //! many configurations: [`Checker::first_hit`] names a colliding pair, [`Checker::distance`] the smallest clearance.
 //! [`HandChecker`] asks only for a hand that is placed somewhere without its arm, which drops hopeless grasps early.
 //!
+//! Lists of configurations go through [`Checker::first_hit_of_all`]: a sieve looks at several side by side, with every
+//! moving body inside a few capsules, and passes what it is sure of; the exact checker looks at the rest. Motions are
+//! proven by the same sieve. Many obstacles stand in a tree of boxes.
+//!
 //! Capsules, spheres and boxes meet in closed form; everything else goes through parry's GJK, wrapped in one file.
-//! All bodies are convex: a mesh counts as its convex hull. [`Exhaustive`] answers the same question with
-//! parry's own shapes and no shortcut at all; it is the independent judge of everything above.
+//! All bodies are convex: a link's mesh counts as its convex hull, an obstacle's as its triangles
+//! ([`World::add_mesh`]), and points without a shape as the boxes of the cells that they occupy ([`World::add_cloud`]).
+//! [`Exhaustive`] answers the same question with parry's own shapes and no shortcut at all; it is the independent judge
+//! of everything above.
 
 mod batch;
 mod build;
@@ -30,7 +36,9 @@ mod solid;
 #[cfg(test)]
 pub(crate) mod testing;
 mod touching;
+mod tree;
 mod triangles;
+mod voxels;
 mod world;
 
 pub(crate) use batch::Sifted;
@@ -43,4 +51,5 @@ pub(crate) use lanes::LANES;
 pub use model::{CollisionError, CollisionModel};
 pub use setup::{CarriedObject, MayTouch, Party};
 pub use triangles::TriangleSurface;
-pub use world::World;
+pub use voxels::{CloudBoxes, MOST_BOXES, MOST_CELLS};
+pub use world::{MOST_TRIANGLES, World};

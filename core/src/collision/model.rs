@@ -22,6 +22,12 @@ pub enum CollisionError {
     /// A pose with NaN or infinite entries.
     #[error("{thing}: its pose is not finite")]
     PoseNotFinite { thing: String },
+    /// More of something than memory and time are kept for.
+    #[error("{thing}: {found} {what}, at most {most} are taken")]
+    TooMany { thing: String, what: &'static str, found: usize, most: usize },
+    /// A triangle between corners that are not there.
+    #[error("{thing}: triangle {triangle} names corner {corner} of {corners}")]
+    NoSuchCorner { thing: String, triangle: usize, corner: u32, corners: usize },
     /// Points in a plane, on a line, or none.
     #[error("{thing}: its {points} points span no volume")]
     NoVolume { thing: String, points: usize },

@@ -127,6 +127,10 @@ impl ForeignBody {
                 let y_to_z = Pose::from_rotation(Rotation::from_xyzw(quarter, 0.0, 0.0, quarter));
                 Self { shape: SharedShape::cylinder(*half_length, *radius), X_OB: X_OB * y_to_z }
             }
+            Core::Triangle { corners } => {
+                let [a, b, c] = corners.each_ref().map(to_parry);
+                Self { shape: SharedShape::triangle(a, b, c), X_OB }
+            }
             Core::Hull(hull) => {
                 let points: Vec<Vector> = hull.corners().iter().map(to_parry).collect();
                 Self { shape: SharedShape::convex_hull(&points)?, X_OB }

@@ -7,6 +7,7 @@ use super::checker::{Checker, Clearance, Cluster, ConstantPair, Hit, Margins, Ow
 use super::frames::Rigid;
 use super::narrow::{Proximity, proximity, signed_distance};
 use super::solid::Solid;
+use super::tree::Node;
 
 impl Checker {
     /// What a configuration is: free of everything by more than the margins, near something, or touching.
@@ -99,35 +100,61 @@ impl Checker {
         cluster: &Cluster,
         margin_m: f64,
     ) -> (Proximity, Option<Pair>) {
-        let (X_WF, center) = (&scratch.X_WF[cluster.frame], &scratch.centers[index]);
-        let mut closest = Proximity::Apart;
-        for &(fixed, depth_m) in &cluster.against {
-            let fixed = &self.fixed[fixed];
-            // Once something is near, only touching matters.
-            let near_m = if closest == Proximity::Near { self.margin_m } else { margin_m };
-            let reach = cluster.bound + near_m;
-            if squared_distance_to_box(center, &fixed.lower, &fixed.upper) > reach * reach {
-                continue;
-            }
-            for solid in &cluster.solids {
-                if cluster.solids.len() > 1 {
-                    let reach = solid.bound + near_m;
-                    let center = X_WF.point(&solid.center);
-                    if squared_distance_to_box(&center, &fixed.lower, &fixed.upper) > reach * reach {
-                        continue;
-                    }
+        let center = &scratch.centers[index];
+        let X_WF = &scratch.X_WF[cluster.frame];
+        let mut search = Search { closest: Proximity::Apart, hit: None, near_m: margin_m };
+        let mut rest = cluster.against.as_slice();
+        if let Some(obstacles) = &self.tree {
+            let of_tree;
+            (of_tree, rest) = rest.split_at(rest.partition_point(|&(fixed, _)| fixed < obstacles.count));
+            let is_near = |search: &Search, node: &Node| {
+                let reach = cluster.bound + search.near_m;
+                squared_distance_to_box(center, &node.lower, &node.upper) <= reach * reach
+            };
+            obstacles.tree.visit(&mut search, is_near, |search, fixed| {
+                if let Ok(at) = of_tree.binary_search_by_key(&fixed, |&(fixed, _)| fixed) {
+                    self.against_one(search, cluster, X_WF, of_tree[at]);
                 }
-                let world = Rigid::identity();
-                match proximity(solid, X_WF, &fixed.solid, &world, self.margin_m - depth_m, near_m - depth_m) {
-                    Proximity::Touching => {
-                        return (Proximity::Touching, Some(Pair { a: cluster.owner, b: fixed.owner }));
-                    }
-                    Proximity::Near => closest = Proximity::Near,
-                    Proximity::Apart => {}
-                }
+                search.hit.is_none()
+            });
+        }
+        for &(fixed, depth_m) in rest {
+            let reach = cluster.bound + search.near_m;
+            let thing = &self.fixed[fixed];
+            if search.hit.is_none() && squared_distance_to_box(center, &thing.lower, &thing.upper) <= reach * reach {
+                self.against_one(&mut search, cluster, X_WF, (fixed, depth_m));
             }
         }
-        (closest, None)
+        (search.closest, search.hit)
+    }
+
+    /// Compares a cluster with one thing that stands still, near enough for its ball.
+    fn against_one(&self, search: &mut Search, cluster: &Cluster, X_WF: &Rigid, (fixed, depth_m): (usize, f64)) {
+        let fixed = &self.fixed[fixed];
+        for solid in &cluster.solids {
+            let near_m = search.near_m;
+            if cluster.solids.len() > 1 {
+                let reach = solid.bound + near_m;
+                let center = X_WF.point(&solid.center);
+                if squared_distance_to_box(&center, &fixed.lower, &fixed.upper) > reach * reach {
+                    continue;
+                }
+            }
+            let world = Rigid::identity();
+            match proximity(solid, X_WF, &fixed.solid, &world, self.margin_m - depth_m, near_m - depth_m) {
+                Proximity::Touching => {
+                    search.closest = Proximity::Touching;
+                    search.hit = Some(Pair { a: cluster.owner, b: fixed.owner });
+                    return;
+                }
+                Proximity::Near => {
+                    // Once something is near, only touching matters.
+                    search.closest = Proximity::Near;
+                    search.near_m = self.margin_m;
+                }
+                Proximity::Apart => {}
+            }
+        }
     }
 
     /// All touching pairs at a configuration, each once; as [`Checker::first_hit`] for a `q` that is none.
@@ -256,6 +283,13 @@ impl Checker {
             touching.then_some(Pair { a: pair.0, b: pair.1 })
         })
     }
+}
+
+/// What was found so far for a cluster, and what still counts as near, metres.
+struct Search {
+    closest: Proximity,
+    hit: Option<Pair>,
+    near_m: f64,
 }
 
 /// Body, pose of its carrier, body, pose of its carrier, allowed depth, owners; answers the distance beyond which

@@ -10,8 +10,8 @@
 
 use nalgebra::{Matrix3, Unit, UnitQuaternion, Vector3};
 
-use super::checker::{Checker, Cluster, Fixed};
-use super::cover::{Capsule, capsules};
+use super::checker::{Checker, Cluster, Fixed, Obstacles};
+use super::cover::{Capsule, box_around, capsules};
 use super::frames::{MovingFrame, Rigid};
 use super::solid::Core;
 use crate::robot::JointKind;
@@ -39,6 +39,9 @@ pub(crate) struct Sieve {
     pub(super) cylinders: Vec<Placed<[f32; 2]>>,
     pub(super) rods: Vec<Rod>,
     pub(super) pairs: Vec<Pair>,
+    /// Where each fixed body of the checker stands in the lists above.
+    pub(super) places: Vec<Place>,
+    pub(super) tree: Option<Obstacles>,
     /// Round-off of a coordinate, metres.
     round_off_m: f64,
 }
@@ -82,9 +85,10 @@ pub(super) struct Group {
     pub(super) radius: f32,
     pub(super) begin: usize,
     pub(super) end: usize,
-    pub(super) boxes: Vec<usize>,
-    pub(super) cylinders: Vec<usize>,
-    pub(super) rods: Vec<usize>,
+    /// Fixed bodies that it may meet and that are not in the tree.
+    pub(super) against: Vec<usize>,
+    /// One bit for each fixed body of the tree: whether it may meet that.
+    pub(super) in_tree: Vec<u64>,
 }
 
 /// Something that stands still, with the axis-aligned box around it.
@@ -137,12 +141,13 @@ impl Sieve {
             }
         });
         let mut sieve = Self { columns: checker.dofs.len(), joints: joints.collect(), ..Self::default() };
-        let places: Vec<Place> = checker.fixed.iter().map(|fixed| sieve.stand(fixed)).collect();
+        sieve.places = checker.fixed.iter().map(|fixed| sieve.stand(fixed)).collect();
+        sieve.tree.clone_from(&checker.tree);
         let mut scale: f64 =
             checker.fixed.iter().map(|f| f.lower.abs().max().max(f.upper.abs().max())).fold(0.0, f64::max);
         for cluster in &checker.clusters {
             scale = scale.max(farthest(&checker.frames, cluster));
-            sieve.join(checker, cluster, &turns[cluster.frame], &places);
+            sieve.join(checker, cluster, &turns[cluster.frame]);
         }
         let pairs = checker.pairs.iter();
         sieve.pairs = pairs.map(|pair| Pair { a: pair.a, b: pair.b, only_b: pair.b_hangs_on_a }).collect();
@@ -172,10 +177,6 @@ impl Sieve {
     fn stand(&mut self, fixed: &Fixed) -> Place {
         let (lower, upper) = (single(&fixed.lower), single(&fixed.upper));
         let solid = &fixed.solid;
-        let placed = |X: &Rigid| {
-            let is_straight = (X.R - Matrix3::identity()).abs().max() == 0.0;
-            ((!is_straight).then(|| rows(&X.R.transpose())), single(&X.t))
-        };
         match &solid.core {
             Core::Segment { a, b } => {
                 let d = b - a;
@@ -190,26 +191,31 @@ impl Sieve {
                 Place::Rod(self.rods.len() - 1)
             }
             Core::Cylinder { radius, half_length } => {
-                let (turned, center) = placed(&solid.X_FB);
+                let (turned, center) = turned(&solid.X_FB);
                 let size = [above(radius + solid.radius), above(half_length + solid.radius)];
                 self.cylinders.push(Placed { size, turned, center, lower, upper });
                 Place::Cylinder(self.cylinders.len() - 1)
             }
-            Core::Box { .. } | Core::Hull(_) => {
-                let (X, half) = match &solid.core {
-                    Core::Hull(hull) => (solid.X_FB.then(&hull.box_around().X_FB), hull.box_around().half),
-                    Core::Box { half } => (solid.X_FB, *half),
-                    _ => return Place::Nowhere,
-                };
-                let (turned, center) = placed(&X);
-                let size = std::array::from_fn(|i| above(half[i] + solid.radius));
-                self.boxes.push(Placed { size, turned, center, lower, upper });
-                Place::Box(self.boxes.len() - 1)
+            Core::Box { half } => self.stand_box(&solid.X_FB, half, solid.radius, (lower, upper)),
+            Core::Hull(hull) => {
+                let around = hull.box_around();
+                self.stand_box(&solid.X_FB.then(&around.X_FB), &around.half, solid.radius, (lower, upper))
+            }
+            Core::Triangle { corners } => {
+                let around = box_around(corners);
+                self.stand_box(&solid.X_FB.then(&around.X_FB), &around.half, solid.radius, (lower, upper))
             }
         }
     }
 
-    fn join(&mut self, checker: &Checker, cluster: &Cluster, turn: &Matrix3<f64>, places: &[Place]) {
+    fn stand_box(&mut self, X: &Rigid, half: &Vector3<f64>, radius: f64, around: ([f32; 3], [f32; 3])) -> Place {
+        let (turned, center) = turned(X);
+        let size = std::array::from_fn(|i| above(half[i] + radius));
+        self.boxes.push(Placed { size, turned, center, lower: around.0, upper: around.1 });
+        Place::Box(self.boxes.len() - 1)
+    }
+
+    fn join(&mut self, checker: &Checker, cluster: &Cluster, turn: &Matrix3<f64>) {
         let begin = self.capsules.len();
         let covers = cluster.solids.iter().flat_map(capsules);
         self.capsules.extend(covers.map(|capsule| moving(checker, cluster.frame, &capsule, turn)));
@@ -224,22 +230,20 @@ impl Sieve {
             end(0.0).max(end(1.0)) + c.radius
         };
         let radius = above(f64::from(self.capsules[begin..].iter().map(reach).fold(0.0, f32::max)));
+        let in_tree = self.tree.as_ref().map_or(0, |tree| tree.count);
         let mut group = Group {
             frame: cluster.frame,
             center,
             radius,
             begin,
             end: self.capsules.len(),
-            boxes: Vec::new(),
-            cylinders: Vec::new(),
-            rods: Vec::new(),
+            against: Vec::new(),
+            in_tree: vec![0; in_tree.div_ceil(64)],
         };
         for &(fixed, _) in &cluster.against {
-            match places[fixed] {
-                Place::Box(index) => group.boxes.push(index),
-                Place::Cylinder(index) => group.cylinders.push(index),
-                Place::Rod(index) => group.rods.push(index),
-                Place::Nowhere => {}
+            match group.in_tree.get_mut(fixed / 64).filter(|_| fixed < in_tree) {
+                Some(bits) => *bits |= 1 << (fixed % 64),
+                None => group.against.push(fixed),
             }
         }
         self.groups.push(group);
@@ -247,12 +251,17 @@ impl Sieve {
 }
 
 /// Where a fixed body stands in the sieve's lists.
-#[derive(Clone, Copy)]
-enum Place {
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Place {
     Box(usize),
     Cylinder(usize),
     Rod(usize),
-    Nowhere,
+}
+
+/// The rotation into a frame, unless it is none, and its origin.
+fn turned(X: &Rigid) -> (Option<[f32; 9]>, [f32; 3]) {
+    let is_straight = (X.R - Matrix3::identity()).abs().max() == 0.0;
+    ((!is_straight).then(|| rows(&X.R.transpose())), single(&X.t))
 }
 
 fn moving(checker: &Checker, frame: usize, capsule: &Capsule, turn: &Matrix3<f64>) -> Moving {
@@ -316,7 +325,7 @@ fn rows(R: &Matrix3<f64>) -> [f32; 9] {
     std::array::from_fn(|entry| R[(entry / 3, entry % 3)] as f32).map(|x: f32| if x.abs() < 1e-9 { 0.0 } else { x })
 }
 
-fn single(v: &Vector3<f64>) -> [f32; 3] {
+pub(super) fn single(v: &Vector3<f64>) -> [f32; 3] {
     std::array::from_fn(|k| v[k] as f32)
 }
 

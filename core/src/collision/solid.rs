@@ -14,6 +14,8 @@ pub(crate) enum Core {
     Box { half: Vector3<f64> },
     /// A cylinder along z about the origin of the body's own frame.
     Cylinder { radius: f64, half_length: f64 },
+    /// A triangle in the body's own frame, its middle at the origin.
+    Triangle { corners: [Vector3<f64>; 3] },
     /// A convex hull in the body's own frame.
     Hull(ConvexHull),
 }
@@ -46,6 +48,7 @@ impl Solid {
             Core::Cylinder { radius, half_length } => {
                 (Vector3::zeros(), (radius * radius + half_length * half_length).sqrt())
             }
+            Core::Triangle { corners } => (Vector3::zeros(), corners.iter().map(|p| p.norm()).fold(0.0, f64::max)),
             Core::Hull(hull) => hull.ball(),
         };
         Self { center: X_FB.point(&center_B), core, X_FB, radius, bound: core_bound + radius }
@@ -100,6 +103,11 @@ impl Core {
                 let scale = if planar > 0.0 { radius / planar } else { 0.0 };
                 let z = if direction.z < 0.0 { -half_length } else { *half_length };
                 Vector3::new(direction.x * scale, direction.y * scale, z)
+            }
+            Self::Triangle { corners: [a, b, c] } => {
+                let farther =
+                    |p: &Vector3<f64>, q: &Vector3<f64>| if q.dot(direction) > p.dot(direction) { *q } else { *p };
+                farther(&farther(a, b), c)
             }
             Self::Hull(hull) => hull.support(direction),
         }

@@ -1,16 +1,23 @@
 //! Named obstacles that stand still.
 
+use std::sync::{Arc, OnceLock};
+
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
 use super::hull::ConvexHull;
 use super::model::CollisionError;
 use super::solid::{Core, Solid};
+use super::tree::Tree;
+use super::voxels::limit;
+use crate::mesh::Mesh;
 use crate::scene::{Obstacle, TableTop};
 
 /// Obstacles in the world frame W, each with the name that reasons use.
 #[derive(Clone, Debug, Default)]
 pub struct World {
     pub(crate) obstacles: Vec<WorldBody>,
+    /// Over the obstacles' boxes; made when it is first asked for.
+    tree: OnceLock<Arc<Tree>>,
 }
 
 /// One convex obstacle.
@@ -18,7 +25,13 @@ pub struct World {
 pub(crate) struct WorldBody {
     pub(crate) name: String,
     pub(crate) solid_W: Solid,
+    /// Corners of the axis-aligned box around it.
+    pub(crate) lower: Vector3<f64>,
+    pub(crate) upper: Vector3<f64>,
 }
+
+/// Triangles that a mesh may have.
+pub const MOST_TRIANGLES: usize = 1 << 16;
 
 impl World {
     /// An empty world.
@@ -80,6 +93,31 @@ impl World {
         self.push(name, Core::Hull(hull_O.clone()), X_WO)
     }
 
+    /// A mesh in its frame O, standing at `X_WO`, as the surface that it is: each triangle is a body of its own. What is
+    /// inside of a closed mesh touches nothing; no motion gets there without touching.
+    ///
+    /// # Errors
+    /// [`CollisionError`] if a corner is missing or not finite, or there are more than [`MOST_TRIANGLES`] triangles.
+    pub fn add_mesh(&mut self, name: &str, mesh_O: &Mesh, X_WO: &Isometry3<f64>) -> Result<(), CollisionError> {
+        limit(name, "triangles", mesh_O.triangles.len(), MOST_TRIANGLES)?;
+        if let Some(index) = mesh_O.positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+            return Err(CollisionError::PointNotFinite { thing: name.to_owned(), index });
+        }
+        let corners = mesh_O.positions.len();
+        for (triangle, names) in mesh_O.triangles.iter().enumerate() {
+            if let Some(&corner) = names.iter().find(|&&corner| corner as usize >= corners) {
+                return Err(CollisionError::NoSuchCorner { thing: name.to_owned(), triangle, corner, corners });
+            }
+        }
+        for names in &mesh_O.triangles {
+            let corners_O = names.map(|corner| mesh_O.positions[corner as usize].coords);
+            let middle_O = corners_O.iter().sum::<Vector3<f64>>() / 3.0;
+            let core = Core::Triangle { corners: corners_O.map(|corner| corner - middle_O) };
+            self.push(name, core, &(X_WO * Translation3::from(middle_O)))?;
+        }
+        Ok(())
+    }
+
     /// The slab of a table, named `table`.
     ///
     /// # Errors
@@ -101,6 +139,7 @@ impl World {
     /// Takes an obstacle out, for instance because it was picked up; whether there was one of this name.
     pub fn remove(&mut self, name: &str) -> bool {
         let before = self.obstacles.len();
+        self.tree = OnceLock::new();
         self.obstacles.retain(|obstacle| obstacle.name != name);
         self.obstacles.len() < before
     }
@@ -109,8 +148,17 @@ impl World {
         if !X_WB.translation.vector.iter().chain(X_WB.rotation.coords.iter()).all(|x| x.is_finite()) {
             return Err(CollisionError::PoseNotFinite { thing: name.to_owned() });
         }
-        self.obstacles.push(WorldBody { name: name.to_owned(), solid_W: Solid::new(core, 0.0, X_WB) });
+        let solid_W = Solid::new(core, 0.0, X_WB);
+        let (lower, upper) = solid_W.aabb();
+        self.tree = OnceLock::new();
+        self.obstacles.push(WorldBody { name: name.to_owned(), solid_W, lower, upper });
         Ok(())
+    }
+
+    /// A tree over the boxes around all obstacles.
+    pub(crate) fn tree(&self) -> &Arc<Tree> {
+        let boxes = || self.obstacles.iter().map(|obstacle| (obstacle.lower, obstacle.upper)).collect::<Vec<_>>();
+        self.tree.get_or_init(|| Arc::new(Tree::new(&boxes())))
     }
 }
 

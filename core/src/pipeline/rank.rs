@@ -22,6 +22,8 @@ use crate::watch::Watch;
 
 /// Resolution of the meshes whose corners make collision hulls: 32 columns, 16 rows.
 const HULL_HALF: u32 = 4;
+/// Edge of the cells that a cluster without a fit fills: the distance of neighbouring points of a thinned cloud, doubled.
+const CELL_M: f64 = 0.01;
 
 /// Robot, obstacles and the object of a request.
 pub(crate) fn workcell(
@@ -119,9 +121,9 @@ fn obstacles(
                     world.add_points(&name, &piece_O, X_WO)?;
                 }
             }
-            // Points that span no volume cannot be fitted either: there is nothing to hit.
+            // Its hull would close what is hollow or between two things; its cells do not.
             Err(_) => {
-                let _ = world.add_points(&format!("cluster {index}"), &clusters[index], &Isometry3::identity());
+                world.add_cloud(&format!("cluster {index}"), &clusters[index], CELL_M)?;
             }
         }
     }
