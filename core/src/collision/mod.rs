@@ -9,6 +9,7 @@
 //! All bodies are convex: a mesh counts as its convex hull. [`Exhaustive`] answers the same question with
 //! parry's own shapes and no shortcut at all; it is the independent judge of everything above.
 
+mod ball;
 mod build;
 mod checker;
 mod closed_form;
@@ -28,6 +29,7 @@ mod touching;
 mod triangles;
 mod world;
 
+pub use ball::BallChecker;
 pub use checker::{Checker, Clearance, Hit, Scratch};
 pub(crate) use checker::{Pair, State};
 pub use exhaustive::Exhaustive;
