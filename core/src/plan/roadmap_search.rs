@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::birrt::{Found, PlanOutcome};
+use super::low_discrepancy::EvenPoints;
 use super::queue::Queue;
 use super::roadmap::{Roadmap, nearest};
 use super::space::{ArmSpace, Path, distance_rad, lerp};
@@ -24,16 +25,14 @@ pub struct RoadmapSettings {
 
 impl Default for RoadmapSettings {
     fn default() -> Self {
-        Self { first_nodes: 256, straight_tries: 8, goals: 8, rounds: 24 }
+        Self { first_nodes: 256, straight_tries: 8, goals: 8, rounds: 40 }
     }
 }
 
-/// Blocked motions of which a free part is taken, per round.
-const PARTS: usize = 128;
-/// Parts that are tried.
-const SHARES: [f64; 3] = [0.6, 0.3, 0.1];
-/// A part that ends this near to another node is not taken, rad.
-const LEAST_STEP_RAD: f64 = 0.1;
+/// Configurations that an end that can go nowhere is grown towards, per round.
+const GROWTH: usize = 128;
+/// Longest motion that is grown, rad.
+const STEP_RAD: f64 = 1.0;
 /// How many nodes of the roadmap a node that is not of it is joined with.
 const NEIGHBOURS: usize = 16;
 
@@ -41,7 +40,7 @@ const NEIGHBOURS: usize = 16;
 ///
 /// From both ends the search goes on where the way promises to be short, and a motion is proven when the search wants to
 /// use it. When one end can go nowhere, the roadmap is searched again with twice the nodes, and with configurations
-/// where that end's blocked motions were still free: so it leaves narrow places. In the answer `nodes` counts the configurations of the last round and `iterations` the motions that
+/// grown from what that end has reached: so it leaves narrow places. In the answer `nodes` counts the configurations of the last round and `iterations` the motions that
 /// were looked at. A path is the first one found; [`super::shorten`] takes its detours out.
 ///
 /// * `roadmap`: [`Roadmap::new`] of the space's limits; its last nodes are used only in hard cases.
@@ -93,7 +92,7 @@ pub fn plan_by_roadmap(
     Search::new(space, roadmap, start, goals, free, scratch).run(settings, watch)
 }
 
-/// Node numbers: those of the roadmap, then the start, the goals, and ends of free parts of motions.
+/// Node numbers: those of the roadmap, then the start, the goals, and what was grown.
 struct Search<'a> {
     space: &'a ArmSpace,
     roadmap: &'a Roadmap,
@@ -110,8 +109,10 @@ struct Search<'a> {
     /// Whether each motion is free, smaller number first; unknown until asked.
     motions: HashMap<(u32, u32), bool>,
     scratch: Scratch,
-    /// How often parts were added.
-    partial: usize,
+    /// For each configuration that was grown, the node that it grew from.
+    parents: Vec<usize>,
+    /// Even configurations that were grown towards.
+    drawn: usize,
 }
 
 /// One end of the search.
@@ -120,9 +121,7 @@ struct End {
     /// Cost from this end, rad; infinite until settled.
     cost: Vec<f64>,
     before: Vec<u32>,
-    settled: usize,
-    /// Motions from settled nodes that are blocked.
-    blocked: Vec<(u32, u32)>,
+    settled: Vec<usize>,
 }
 
 const NONE: u32 = u32::MAX;
@@ -148,7 +147,8 @@ impl<'a> Search<'a> {
             nodes: Vec::new(),
             motions: HashMap::new(),
             scratch,
-            partial: 0,
+            parents: Vec::new(),
+            drawn: 0,
         }
     }
 
@@ -163,9 +163,9 @@ impl<'a> Search<'a> {
             match self.join(watch) {
                 Joined::Path(nodes) => return self.found(&nodes),
                 Joined::Stopped => return PlanOutcome::Stopped,
-                Joined::Apart { nearest_gap_rad, blocked } => {
+                Joined::Apart { nearest_gap_rad, reached } => {
                     gap_rad = gap_rad.min(nearest_gap_rad);
-                    self.add_parts(&blocked);
+                    self.grow(&reached);
                 }
             }
         }
@@ -173,21 +173,27 @@ impl<'a> Search<'a> {
         PlanOutcome::NoPath { nodes, iterations: self.motions.len(), nearest_gap_rad: gap_rad }
     }
 
-    /// Adds the free part of blocked motions, spread over them all if they are many.
-    fn add_parts(&mut self, blocked: &[(u32, u32)]) {
-        let stride = blocked.len().div_ceil(PARTS).max(1);
-        let first = self.partial % stride;
-        self.partial += 1;
+    /// Grows a tree from what an end that can go nowhere has reached, towards even configurations one after the other
+    /// (LaValle and Kuffner 2001, without the random numbers).
+    fn grow(&mut self, reached: &[usize]) {
+        let even = EvenPoints::new(self.space.dimension());
+        let mut nodes = reached.to_vec();
+        let mut tree: Vec<f64> = reached.iter().flat_map(|&node| self.q(node).to_vec()).collect();
         let mut scratch = std::mem::take(&mut self.scratch);
-        for &(from, to) in blocked.iter().skip(first).step_by(stride) {
-            let (q_from, q_to) = (self.q(from as usize), self.q(to as usize));
-            let part = SHARES.iter().map(|&share| lerp(q_from, q_to, share)).find(|q| {
-                // Where one has been, another would be of no use.
-                nearest(&self.added, q, 1).first().is_none_or(|&(_, distance)| distance > LEAST_STEP_RAD)
-                    && self.space.edge_is_free(&mut scratch, q_from, q)
-            });
-            if let Some(q) = part {
+        for _ in 0..GROWTH {
+            let mut towards = Vec::with_capacity(self.space.dimension());
+            even.push(self.drawn, &self.space.lower, &self.space.upper, &mut towards);
+            self.drawn += 1;
+            let Some(&(near, gap)) = nearest(&tree, &towards, 1).first() else { break };
+            let q_near = self.q(nodes[near]);
+            let q = if gap > STEP_RAD { lerp(q_near, &towards, STEP_RAD / gap) } else { towards };
+            if self.space.edge_is_free(&mut scratch, q_near, &q) {
+                let node = self.start() + self.added.len() / self.space.dimension();
+                self.motions.insert((nodes[near] as u32, node as u32), true);
+                self.parents.push(nodes[near]);
+                tree.extend_from_slice(&q);
                 self.added.extend(q);
+                nodes.push(node);
             }
         }
         self.scratch = scratch;
@@ -227,6 +233,12 @@ impl<'a> Search<'a> {
                 self.links[other].push(((fixed + node) as u32, distance));
             }
         }
+        let first_grown = self.goal_nodes().end;
+        for (grown, &parent) in self.parents.iter().enumerate() {
+            let distance = distance_rad(self.q(first_grown + grown), self.q(parent));
+            self.links[first_grown + grown].push((parent as u32, distance));
+            self.links[parent].push(((first_grown + grown) as u32, distance));
+        }
     }
 
     fn is_free(&mut self, node: usize) -> bool {
@@ -261,8 +273,7 @@ impl<'a> Search<'a> {
             queue: Queue::default(),
             cost: vec![f64::INFINITY; count],
             before: vec![NONE; count],
-            settled: 0,
-            blocked: Vec::new(),
+            settled: Vec::new(),
         };
         let mut ends = [end(), end()];
         ends[0].queue.push(0.0, self.start() as u32, NONE);
@@ -273,10 +284,10 @@ impl<'a> Search<'a> {
             if turn % 16 == 0 && watch.should_stop() {
                 return Joined::Stopped;
             }
-            let side = usize::from(ends[1].settled < ends[0].settled);
+            let side = usize::from(ends[1].settled.len() < ends[0].settled.len());
             let Some(waiting) = ends[side].queue.pop() else {
                 let nearest_gap_rad = self.gap_rad(&ends);
-                return Joined::Apart { nearest_gap_rad, blocked: std::mem::take(&mut ends[side].blocked) };
+                return Joined::Apart { nearest_gap_rad, reached: std::mem::take(&mut ends[side].settled) };
             };
             let node = waiting.node as usize;
             if ends[side].cost[node].is_finite() {
@@ -285,7 +296,6 @@ impl<'a> Search<'a> {
             let mut cost = 0.0;
             if waiting.from != NONE {
                 if !self.is_passable(waiting.from, waiting.node) {
-                    ends[side].blocked.push((waiting.from, waiting.node));
                     continue;
                 }
                 let from = waiting.from as usize;
@@ -293,7 +303,7 @@ impl<'a> Search<'a> {
             }
             ends[side].cost[node] = cost;
             ends[side].before[node] = waiting.from;
-            ends[side].settled += 1;
+            ends[side].settled.push(node);
             if ends[1 - side].cost[node].is_finite() {
                 let to_root = |end: &End| {
                     let mut way = vec![node];
@@ -318,8 +328,6 @@ impl<'a> Search<'a> {
                 if self.is_free(to) {
                     let key = cost + distance + self.least_rad(to, side);
                     ends[side].queue.push(key, other, waiting.node);
-                } else {
-                    ends[side].blocked.push((waiting.node, other));
                 }
             }
             self.links[node] = links;
@@ -358,8 +366,8 @@ enum Joined {
     Path(Vec<usize>),
     Apart {
         nearest_gap_rad: f64,
-        /// Blocked motions of the end that could go nowhere.
-        blocked: Vec<(u32, u32)>,
+        /// Nodes reached from the end that could go nowhere.
+        reached: Vec<usize>,
     },
     Stopped,
 }
