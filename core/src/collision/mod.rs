@@ -15,6 +15,7 @@
 //! [`Exhaustive`] answers the same question with parry's own shapes and no shortcut at all; it is the independent judge
 //! of everything above.
 
+mod ball;
 mod batch;
 mod build;
 mod checker;
@@ -41,6 +42,7 @@ mod triangles;
 mod voxels;
 mod world;
 
+pub use ball::BallChecker;
 pub(crate) use batch::Sifted;
 pub use checker::{Checker, Clearance, Hit, Scratch};
 pub(crate) use checker::{Pair, State};

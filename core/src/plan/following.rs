@@ -40,15 +40,13 @@ impl Default for FollowSettings {
     }
 }
 
-/// What is to be followed, by which arm, from where to where.
+/// The arm that follows a way of its hand, and with which configurations it begins and ends.
 #[derive(Clone, Copy)]
-pub struct HandWay<'a> {
+pub struct FollowingArm<'a> {
     /// Inverse kinematics of the arm whose joints the space has.
     pub ik: &'a ArmIk,
     /// Pose of the arm's base link in the world.
     pub X_WB: Isometry3<f64>,
-    /// Hand poses X_WH, the first one that of the starts.
-    pub poses: &'a [Isometry3<f64>],
     /// Configurations at the first pose; the arm may begin at any of them.
     pub starts: &'a [Vec<f64>],
     /// Configurations at the last pose, of which one is to be reached; `None` leaves the choice to the search.
@@ -96,6 +94,8 @@ pub enum FollowReason {
 
 /// The shortest motion of the arm (sum of Euclidean joint distances) whose hand follows the poses.
 ///
+/// * `poses`: hand poses X_WH, the first one that of the arm's starts, the last one that of its goals.
+///
 /// The middle of every joint motion keeps the hand within the settings' sag of the line between its poses; where the
 /// chord sags more, it is bent. The same question always has the same answer.
 ///
@@ -103,32 +103,33 @@ pub enum FollowReason {
 /// [`FollowStop`] naming the first pose that no configuration passes, and why.
 pub fn follow_hand(
     space: &ArmSpace,
-    way: &HandWay<'_>,
+    arm: &FollowingArm<'_>,
+    poses: &[Isometry3<f64>],
     settings: &FollowSettings,
     watch: &Watch<'_>,
 ) -> Result<Followed, FollowStop> {
-    let last = way.poses.len().saturating_sub(1);
-    let stop = |pose: usize, reason: FollowReason| FollowStop { pose, poses: way.poses.len(), reason };
-    let poses_BH: Vec<Isometry3<f64>> = way.poses.iter().map(|X_WH| way.X_WB.inv_mul(X_WH)).collect();
+    let last = poses.len().saturating_sub(1);
+    let stop = |pose: usize, reason: FollowReason| FollowStop { pose, poses: poses.len(), reason };
+    let poses_BH: Vec<Isometry3<f64>> = poses.iter().map(|X_WH| arm.X_WB.inv_mul(X_WH)).collect();
     let (Some(first_BH), Some(last_BH)) = (poses_BH.first(), poses_BH.last()) else {
         return Err(stop(0, FollowReason::Invalid(None)));
     };
-    let at = |pose, given, X_BH| configurations_at(space, way.ik, given, X_BH).map_err(|reason| stop(pose, reason));
-    let (starts, start_of) = at(0, way.starts, first_BH)?;
-    let (goals, goal_of) = match way.goals {
+    let at = |pose, given, X_BH| configurations_at(space, arm.ik, given, X_BH).map_err(|reason| stop(pose, reason));
+    let (starts, start_of) = at(0, arm.starts, first_BH)?;
+    let (goals, goal_of) = match arm.goals {
         Some(goals) => at(last, goals, last_BH)?,
         None => (Vec::new(), Vec::new()),
     };
     let mut search = Search {
-        edges: HandEdges { space, ik: way.ik, sag: Sag { m: settings.max_sag_m, rad: settings.max_sag_rad } },
-        layers: Layers::of(way.ik, &poses_BH, &starts, &goals, settings.arm_angles.max(1)),
+        edges: HandEdges { space, ik: arm.ik, sag: Sag { m: settings.max_sag_m, rad: settings.max_sag_rad } },
+        layers: Layers::of(arm.ik, &poses_BH, &starts, &goals, settings.arm_angles.max(1)),
         poses_BH: &poses_BH,
         step_rad: settings.max_joint_step_rad,
         from_start: Vec::new(),
         scratch: Scratch::default(),
     };
     search.spread(watch).ok_or_else(|| stop(0, FollowReason::Stopped))?;
-    let goal_nodes: Vec<usize> = match way.goals {
+    let goal_nodes: Vec<usize> = match arm.goals {
         Some(_) => search.layers.goals.iter().map(|&(node, _)| node).collect(),
         None => search.layers.layer(last).collect(),
     };
@@ -404,10 +405,14 @@ mod tests {
     }
 
     fn follow(bench: &Bench, poses: &[Isometry3<f64>], goals: Option<&[Vec<f64>]>) -> Result<Followed, FollowStop> {
-        let way = HandWay { ik: &ik(bench), X_WB: Isometry3::identity(), poses, starts: &[START.to_vec()], goals };
+        let arm = FollowingArm { ik: &ik(bench), X_WB: Isometry3::identity(), starts: &[START.to_vec()], goals };
         let settings = FollowSettings::default();
-        let followed = follow_hand(&bench.space(), &way, &settings, &Watch::idle());
-        assert_eq!(followed, follow_hand(&bench.space(), &way, &settings, &Watch::idle()), "the same answer always");
+        let followed = follow_hand(&bench.space(), &arm, poses, &settings, &Watch::idle());
+        assert_eq!(
+            followed,
+            follow_hand(&bench.space(), &arm, poses, &settings, &Watch::idle()),
+            "the same answer always"
+        );
         followed
     }
 
@@ -477,12 +482,11 @@ mod tests {
         let bench = Bench::new(&[("post", elbow.into(), [0.02, 0.02, 0.3])]);
         let (space, ik) = (bench.space(), ik(&bench));
         let (angles, step) = (12, 0.7);
-        let way =
-            HandWay { ik: &ik, X_WB: Isometry3::identity(), poses: &poses, starts: &[START.to_vec()], goals: None };
+        let arm = FollowingArm { ik: &ik, X_WB: Isometry3::identity(), starts: &[START.to_vec()], goals: None };
         // So lax a sag that no motion is bent.
         let settings =
             FollowSettings { arm_angles: angles, max_joint_step_rad: step, max_sag_m: 9.0, max_sag_rad: 9.0 };
-        let found = follow_hand(&space, &way, &settings, &Watch::idle()).unwrap().path;
+        let found = follow_hand(&space, &arm, &poses, &settings, &Watch::idle()).unwrap().path;
         let mut nodes: Vec<(usize, Vec<f64>)> = vec![(0, START.to_vec())];
         for (layer, pose) in poses.iter().enumerate() {
             nodes.extend(ik.set(pose, &START, angles).iter().map(|q| (layer, q.to_vec())));
@@ -557,15 +561,9 @@ mod tests {
     fn a_cancelled_search_says_so() {
         let bench = Bench::new(&[]);
         let poses = aside(&bench, [0.0, -0.1, 0.0]);
-        let way = HandWay {
-            ik: &ik(&bench),
-            X_WB: Isometry3::identity(),
-            poses: &poses,
-            starts: &[START.to_vec()],
-            goals: None,
-        };
+        let arm = FollowingArm { ik: &ik(&bench), X_WB: Isometry3::identity(), starts: &[START.to_vec()], goals: None };
         let watch = Watch::new(&|| true, &|_, _| (), &|| 0.0);
-        let stop = follow_hand(&bench.space(), &way, &FollowSettings::default(), &watch).unwrap_err();
+        let stop = follow_hand(&bench.space(), &arm, &poses, &FollowSettings::default(), &watch).unwrap_err();
         assert_eq!(stop.reason, FollowReason::Stopped);
     }
 }
