@@ -2,7 +2,8 @@
 //!
 //! [`plan_path`] grows two RRT-Connect trees with the whole IK set as goals, [`shorten`] takes the detours out of the
 //! path, [`time_path`] rounds its corners and runs along it as fast as joint speeds, accelerations and jerks allow, and
-//! [`follow_poses`] moves the hand along given poses. Every edge is proven free, not sampled (see
+//! [`follow_poses`] moves the hand along given poses. Without random numbers, [`plan_by_roadmap`] searches the joint space
+//! along even configurations, and [`follow_route`] takes the hand along one of [`diverse_routes`]. Every edge is proven free, not sampled (see
 //! [`ArmSpace::edge_hit`]); [`walk`] checks the result once more with kinematics and geometry of its own.
 
 mod birrt;
@@ -39,10 +40,8 @@ mod walk;
 pub use birrt::{BirrtSettings, Found, NoPath, PlanOutcome, plan_path};
 pub use cartesian::{CartesianSettings, CartesianStop, NearIk, StopReason, follow_poses, straight_line};
 pub use clear::{ClearPath, ClearSettings, plan_clear_path};
-pub use edge::EdgeHit;
 pub use edge::{EdgeCause, EdgeHit};
 pub use following::{FollowReason, FollowSettings, FollowStop, Followed, FollowingArm, follow_hand};
-pub use following::{FollowReason, FollowSettings, FollowStop, Followed, HandWay, follow_hand};
 pub use hand_grid::{FreeSpace, Room};
 pub use hand_route::{FollowedRoute, HandRoute, follow_route};
 pub use limits::{MotionLimits, MotionQuantity, Violation};

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::birrt::{Found, PlanOutcome};
+use super::birrt::{Found, NoPath, PlanOutcome};
 use super::low_discrepancy::EvenPoints;
 use super::queue::Queue;
 use super::roadmap::{Roadmap, nearest};
@@ -153,6 +153,7 @@ impl<'a> Search<'a> {
     }
 
     fn run(mut self, settings: &RoadmapSettings, watch: &Watch<'_>) -> PlanOutcome {
+        let begin_ms = watch.now_ms();
         let mut gap_rad = f64::INFINITY;
         for round in 0..settings.rounds.max(1) {
             let twice = settings.first_nodes.max(1).saturating_mul(1 << round.min(32));
@@ -170,7 +171,8 @@ impl<'a> Search<'a> {
             }
         }
         let nodes = self.active + self.added.len() / self.space.dimension();
-        PlanOutcome::NoPath { nodes, iterations: self.motions.len(), nearest_gap_rad: gap_rad }
+        let (iterations, elapsed_ms) = (self.motions.len(), watch.now_ms() - begin_ms);
+        PlanOutcome::NoPath(NoPath { nodes, iterations, elapsed_ms, nearest: None, nearest_gap_rad: gap_rad })
     }
 
     /// Grows a tree from what an end that can go nowhere has reached, towards even configurations one after the other

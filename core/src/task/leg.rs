@@ -7,6 +7,7 @@
 
 use super::motion::{Draft, Mover};
 use super::phases::phases_with;
+use super::ways_between::RoadmapOnce;
 use super::{Certificate, Leg, MotionSettings, Phase, Plan, Route, Try, Workcell};
 use crate::grasp::Grasp;
 use crate::job::Refusal;
@@ -58,7 +59,7 @@ pub fn plan_leg(task: &LegTask<'_>, settings: &MotionSettings, watch: Watch<'_>)
         return Err(Refusal::new(message).with_details(reasons_of_rejected(task.ranked)));
     }
     let cell = task.cell;
-    let mover = Mover { cell, settings, seed: task.seed, watch };
+    let mover = Mover { cell, settings, seed: task.seed, roadmap: RoadmapOnce::default(), watch };
     let mut tries: Vec<Try> = Vec::new();
     for grasp in usable {
         if watch.should_stop() {

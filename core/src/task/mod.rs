@@ -10,6 +10,7 @@ mod report;
 mod setback;
 mod settings;
 mod ways;
+mod ways_between;
 mod workcell;
 
 pub use certify::certify;

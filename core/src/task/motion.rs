@@ -3,30 +3,18 @@
 use nalgebra::{Isometry3, Translation3, Vector3};
 
 use super::setback::Blocked;
+use super::ways_between::RoadmapOnce;
 use super::{MotionSettings, PhaseKind, Workcell};
 use crate::collision::Scratch;
 use crate::plan::{
-    ArmSpace, BirrtSettings, CartesianSettings, CartesianStop, ClearPath, ClearSettings, EdgeCause, MotionLimits,
-    NoPath, Path, PlanOutcome, ShortcutSettings, StopReason, TimingSettings, Trajectory, follow_poses, plan_clear_path,
-    plan_path, shorten, straight_line, time_path,
+    ArmSpace, CartesianSettings, CartesianStop, EdgeCause, MotionLimits, Path, StopReason, TimingSettings, Trajectory,
+    follow_poses, straight_line, time_path,
 };
 use crate::watch::Watch;
 
 /// Distance between poses on a straight way, metres, and radians.
 pub(crate) const STRAIGHT_STEP_M: f64 = 0.01;
 pub(crate) const STRAIGHT_STEP_RAD: f64 = 0.1;
-/// Searches of which the shortest path is taken: an RRT's first path may be a long way round.
-const SEARCHES: u64 = 4;
-
-/// A searched way.
-pub(super) struct Searched {
-    pub(super) path: Path,
-    /// Index of the goal that it ends at.
-    pub(super) goal: usize,
-    /// The space in which it was searched: with the clearance that it keeps.
-    pub(super) space: ArmSpace,
-}
-
 /// One phase of a plan before its start time is known.
 #[derive(Clone, Debug)]
 pub(super) struct Draft {
@@ -65,6 +53,7 @@ pub(super) struct Mover<'a> {
     pub(super) cell: &'a Workcell,
     pub(super) settings: &'a MotionSettings,
     pub(super) seed: u64,
+    pub(super) roadmap: RoadmapOnce,
     pub(super) watch: Watch<'a>,
 }
 
@@ -101,26 +90,6 @@ impl Mover<'_> {
         let poses = straight_line(X_WH, X_WH_end, STRAIGHT_STEP_M, STRAIGHT_STEP_RAD);
         let near_ik = |X_WH: &Isometry3<f64>, near: &[f64]| self.cell.ik.near(&X_WB.inv_mul(X_WH), near);
         follow_poses(space, q, &poses, &near_ik, &CartesianSettings::default()).map_err(|stop| stopped(&stop, q))
-    }
-
-    /// A searched and shortened way to any of the goals that keeps the wanted clearance where there is room.
-    pub(super) fn search(&self, space: &ArmSpace, start: &[f64], goals: &[Vec<f64>]) -> Result<Searched, Blocked> {
-        let settings = ClearSettings { clearance_m: self.settings.clearance_m, ..ClearSettings::default() };
-        let clear = plan_clear_path(space, start, goals, &settings, self.seed, &self.watch);
-        let ClearPath { found, space: clear, .. } = clear.map_err(|outcome| not_found(outcome, space, start, goals))?;
-        let is_straight = found.nodes == 0;
-        let mut best = Searched { path: found.path, goal: found.goal, space: clear };
-        // A straight way is not made shorter by another search.
-        for attempt in if is_straight { 1..1 } else { 1..SEARCHES } {
-            let seed = self.seed.wrapping_add(attempt);
-            let outcome = plan_path(&best.space, start, goals, &BirrtSettings::default(), seed, &self.watch);
-            let PlanOutcome::Found(found) = outcome else { break };
-            let path = shorten(&best.space, &found.path, &ShortcutSettings::default(), seed, &self.watch);
-            if path.length_rad() < best.path.length_rad() {
-                best = Searched { path, goal: found.goal, ..best };
-            }
-        }
-        Ok(best)
     }
 
     /// The phase that moves the arm along a path with the fingers at rest.
@@ -196,42 +165,6 @@ pub(super) fn reversed(path: &Path) -> Path {
 /// One path after the other; the second starts where the first ends.
 pub(super) fn joined(first: &Path, second: &Path) -> Path {
     Path { points: first.points.iter().chain(second.points.iter().skip(1)).cloned().collect() }
-}
-
-/// Why a search found nothing, for a person.
-fn not_found(outcome: PlanOutcome, space: &ArmSpace, start: &[f64], goals: &[Vec<f64>]) -> Blocked {
-    match outcome {
-        PlanOutcome::StartInvalid { fault } => Blocked::because(format!("the start posture: {fault}")),
-        PlanOutcome::StartInCollision { pair } => {
-            Blocked::at(format!("in the start posture {} hits {}", pair.a, pair.b), &pair, start)
-        }
-        PlanOutcome::StartTilted { tilt } => Blocked::because(format!("in the start posture the hand is {tilt}")),
-        PlanOutcome::GoalsTilted { least, count } => {
-            Blocked::because(format!("at all {count} goals the hand is tilted too far, at the best one {least}"))
-        }
-        PlanOutcome::GoalsInvalid { count, .. } => {
-            Blocked::because(format!("none of {count} goals is within the joint limits"))
-        }
-        PlanOutcome::GoalsInCollision { first, count } => {
-            let reason = format!("at all {count} goals something is hit, first {} and {}", first.a, first.b);
-            Blocked::at(reason, &first, goals.first().map_or(&[], Vec::as_slice))
-        }
-        PlanOutcome::NoPath(NoPath { nodes, iterations, nearest_gap_rad, nearest, .. }) => {
-            let between = nearest.and_then(|[from, to]| {
-                let blocked = space.edge_hit(&mut Scratch::default(), &from, &to)?;
-                Some((blocked.cause, from))
-            });
-            let reason = format!(
-                "no path among {nodes} nodes after {iterations} draws; the trees stayed {nearest_gap_rad:.2} rad apart"
-            );
-            match between {
-                Some((EdgeCause::Contact(hit), q)) => Blocked::at(format!("{reason}, where {hit}"), &hit, &q),
-                Some((EdgeCause::Tilted(tilt), _)) => Blocked::because(format!("{reason}, where the hand is {tilt}")),
-                None => Blocked::because(reason),
-            }
-        }
-        PlanOutcome::Found(_) | PlanOutcome::Stopped => Blocked::because("stopped"),
-    }
 }
 
 fn stopped(stop: &CartesianStop, q: &[f64]) -> Blocked {

@@ -5,8 +5,9 @@ use nalgebra::{Isometry3, Translation3, Vector3};
 use super::motion::{Draft, Mover, joined, reversed};
 use super::setback::{Blocked, Setback};
 use super::ways::{Ways, picks, pours, slides, upright_again};
-use super::{PhaseKind, Route, Situation, Stop};
-use crate::collision::CollisionError;
+use super::ways_between::Found;
+use super::{PhaseKind, Planner, Route, Situation, Stop};
+use crate::collision::{CollisionError, World};
 use crate::grasp::{Grasp, Situated};
 use crate::plan::{ArmSpace, Path, Upright};
 use crate::scene::Action;
@@ -90,6 +91,27 @@ impl LegWith<'_> {
         self.mover.along(kind, space, path, fingers, carries).map_err(|blocked| blocked.in_phase(kind, carries))
     }
 
+    /// A way to one of the goals by the planner of the settings; routes of the hand are kept, taken or not.
+    fn search(
+        &mut self,
+        kind: PhaseKind,
+        space: &ArmSpace,
+        among: &World,
+        from: &[f64],
+        goals: &[Vec<f64>],
+    ) -> Result<Found, Setback> {
+        let carries = kind == PhaseKind::Transport;
+        let found = if self.mover.settings.planner == Planner::Routes {
+            let duration_s = |path: &Path| Some(self.draft(kind, space, path, carries).ok()?.trajectory.duration_s());
+            let (routes, found) = self.mover.by_routes(space, among, from, goals, &duration_s);
+            self.routes = routes;
+            found
+        } else {
+            self.mover.search(space, from, goals)
+        };
+        found.map_err(|blocked| blocked.in_phase(kind, carries))
+    }
+
     /// Reach to one of the configurations that have ways, and close; which one it is.
     fn reach_and_close(
         &mut self,
@@ -100,8 +122,15 @@ impl LegWith<'_> {
         let cell = self.mover.cell;
         let goals: Vec<Vec<f64>> = ways.iter().filter_map(|ways| ways.back.points.last().cloned()).collect();
         let arm_start: Vec<f64> = cell.arm().dofs.iter().map(|&dof| cell.q_start[dof]).collect();
-        let found = self.mover.search(approaching, &arm_start, &goals);
-        let found = found.map_err(|blocked| blocked.in_phase(PhaseKind::Reach, false))?;
+        // Routes are those of the object; a hand that only comes for it has its own.
+        let found = if cell.leg().is_empty() {
+            let situation = cell.approaching(&cell.X_WO_start);
+            let among = situation.map_err(|error| Setback::of(PhaseKind::Reach, &error))?.world;
+            self.search(PhaseKind::Reach, approaching, &among, &arm_start, &goals)?
+        } else {
+            let found = self.mover.search(approaching, &arm_start, &goals);
+            found.map_err(|blocked| blocked.in_phase(PhaseKind::Reach, false))?
+        };
         let chosen = found.goal;
         let reach = joined(&found.path, &reversed(&ways[chosen].back));
         self.along(PhaseKind::Reach, approaching, &reach, false)?;
@@ -169,8 +198,8 @@ impl LegWith<'_> {
             carrying = carrying.keeping_upright(self.upright(max_tilt_rad)?);
         }
         let goals: Vec<Vec<f64>> = ways.iter().map(|ways| ways.entry().to_vec()).collect();
-        let found = self.mover.search(&carrying, from, &goals);
-        let found = found.map_err(|blocked| blocked.in_phase(PhaseKind::Transport, true))?;
+        let among = &self.mover.cell.world;
+        let found = self.search(PhaseKind::Transport, &carrying, among, from, &goals)?;
         self.along(PhaseKind::Transport, &found.space, &found.path, true)?;
         Ok(found.goal)
     }
