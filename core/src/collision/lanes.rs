@@ -66,9 +66,9 @@ impl<const TRAVEL: bool> Kernel for Chunk<'_, TRAVEL> {
                 center: lanes.center(sieve, index),
                 reach: group.radius + slack_m,
                 way: farthest(travel, group),
-                scale: &scale,
+                scale,
             };
-            let meet = Meet { sieve, slack_m, travel, scale: &scale };
+            let meet = Meet { sieve, slack_m, travel, scale };
             if let Some(obstacles) = &sieve.tree {
                 let is_near = |lanes: &&mut Lanes, node: &Node| {
                     lanes.any_near(&near, (&single(&node.lower), &single(&node.upper)))
@@ -111,7 +111,7 @@ impl<const TRAVEL: bool> Kernel for Chunk<'_, TRAVEL> {
                     if !lanes.any_close(&middle_a, &middle_b, reach, farthest, &scale) {
                         continue;
                     }
-                    let gap = Gap { radius: first.radius + second.radius + slack_m, travel: travel_a, scale: &scale };
+                    let gap = Gap { radius: first.radius + second.radius + slack_m, travel: travel_a, scale };
                     lanes.past_each_other::<TRAVEL>((of, first.inverse), (with, second.inverse), travel_b, &gap);
                 }
             }
@@ -123,11 +123,11 @@ impl<const TRAVEL: bool> Kernel for Chunk<'_, TRAVEL> {
 }
 
 /// A ball that travels.
-struct Near<'a> {
+struct Near {
     center: [Lane; 3],
     reach: f32,
     way: f32,
-    scale: &'a Lane,
+    scale: Lane,
 }
 
 /// What holds for a whole chunk.
@@ -135,14 +135,15 @@ struct Meet<'a> {
     sieve: &'a Sieve,
     slack_m: f32,
     travel: &'a [[f32; 2]],
-    scale: &'a Lane,
+    scale: Lane,
 }
 
 /// What must lie between an axis and something: a radius, and the travel of the ends times each lane's scale.
-struct Gap<'a> {
+#[derive(Clone, Copy)]
+struct Gap {
     radius: f32,
     travel: [f32; 2],
-    scale: &'a Lane,
+    scale: Lane,
 }
 
 impl Lanes {
@@ -202,7 +203,7 @@ impl Lanes {
 
     /// Compares the capsules of a group with something that stands still.
     #[inline(always)]
-    fn against<const TRAVEL: bool>(&mut self, group: &Group, near: &Near<'_>, place: Place, meet: &Meet<'_>) {
+    fn against<const TRAVEL: bool>(&mut self, group: &Group, near: &Near, place: Place, meet: &Meet<'_>) {
         let Meet { sieve, slack_m, travel, scale } = *meet;
         let around = match place {
             Place::Box(index) => (&sieve.boxes[index].lower, &sieve.boxes[index].upper),
@@ -264,7 +265,7 @@ impl Lanes {
 
     /// Whether a ball comes near an axis-aligned box in any configuration that is not given up.
     #[inline(always)]
-    fn any_near(&self, near: &Near<'_>, (lower, upper): (&[f32; 3], &[f32; 3])) -> bool {
+    fn any_near(&self, near: &Near, (lower, upper): (&[f32; 3], &[f32; 3])) -> bool {
         let Near { center: p, reach, way, scale } = near;
         let mut any = 0;
         for k in 0..LANES {
@@ -291,9 +292,10 @@ impl Lanes {
 
     /// Gives up the configurations in which no plane is found between a capsule and a box.
     #[inline(always)]
-    fn past_box<const TRAVEL: bool>(&mut self, index: usize, moving: &Moving, thing: &Placed<[f32; 3]>, gap: &Gap<'_>) {
+    fn past_box<const TRAVEL: bool>(&mut self, index: usize, moving: &Moving, thing: &Placed<[f32; 3]>, gap: &Gap) {
         let (a, d) = seen_from(&self.a[index], &self.d[index], thing);
         let half = &thing.size;
+        let (mut free, mut proven, scale) = (self.free, self.proven, gap.scale);
         for k in 0..LANES {
             let (ax, ay, az) = (a[0][k], a[1][k], a[2][k]);
             let (dx, dy, dz) = (d[0][k], d[1][k], d[2][k]);
@@ -315,8 +317,11 @@ impl Lanes {
             let size = (nx * nx + ny * ny + nz * nz).sqrt();
             let at_a = nx * ax + ny * ay + nz * az - (nx.abs() * half[0] + ny.abs() * half[1] + nz.abs() * half[2]);
             let along = nx * dx + ny * dy + nz * dz;
-            self.decide::<TRAVEL>(k, at_a, along, size, gap);
+            let (is_free, is_proven) = decide::<TRAVEL>(at_a, along, size, gap, scale[k]);
+            free[k] &= is_free;
+            proven[k] &= is_proven;
         }
+        (self.free, self.proven) = (free, proven);
     }
 
     /// Gives up the configurations in which no plane is found between a capsule and a cylinder.
@@ -326,10 +331,11 @@ impl Lanes {
         index: usize,
         moving: &Moving,
         thing: &Placed<[f32; 2]>,
-        gap: &Gap<'_>,
+        gap: &Gap,
     ) {
         let (a, d) = seen_from(&self.a[index], &self.d[index], thing);
         let [radius, half] = thing.size;
+        let (mut free, mut proven, scale) = (self.free, self.proven, gap.scale);
         for k in 0..LANES {
             let (ax, ay, az) = (a[0][k], a[1][k], a[2][k]);
             let (dx, dy, dz) = (d[0][k], d[1][k], d[2][k]);
@@ -349,22 +355,29 @@ impl Lanes {
             let size = (flat + nz * nz).sqrt();
             let at_a = nx * ax + ny * ay + nz * az - (flat.sqrt() * radius + nz.abs() * half);
             let along = nx * dx + ny * dy + nz * dz;
-            self.decide::<TRAVEL>(k, at_a, along, size, gap);
+            let (is_free, is_proven) = decide::<TRAVEL>(at_a, along, size, gap, scale[k]);
+            free[k] &= is_free;
+            proven[k] &= is_proven;
         }
+        (self.free, self.proven) = (free, proven);
     }
 
     /// Gives up the configurations in which no plane is found between a capsule and one that stands still.
     #[inline(always)]
-    fn past_rod<const TRAVEL: bool>(&mut self, index: usize, moving: &Moving, rod: &Rod, gap: &Gap<'_>) {
+    fn past_rod<const TRAVEL: bool>(&mut self, index: usize, moving: &Moving, rod: &Rod, gap: &Gap) {
         let gap = Gap { radius: gap.radius + rod.radius, ..*gap };
         let (a, d) = (self.a[index], self.d[index]);
+        let (mut free, mut proven, scale) = (self.free, self.proven, gap.scale);
         for k in 0..LANES {
             let r = [a[0][k] - rod.a[0], a[1][k] - rod.a[1], a[2][k] - rod.a[2]];
             let da = [d[0][k], d[1][k], d[2][k]];
             let (n, size) = across(&r, (&da, moving.inverse), (&rod.d, rod.inverse));
             let beyond = greater(dot(&n, &rod.d), 0.0);
-            self.decide::<TRAVEL>(k, dot(&n, &r) - beyond, dot(&n, &da), size, &gap);
+            let (is_free, is_proven) = decide::<TRAVEL>(dot(&n, &r) - beyond, dot(&n, &da), size, &gap, scale[k]);
+            free[k] &= is_free;
+            proven[k] &= is_proven;
         }
+        (self.free, self.proven) = (free, proven);
     }
 
     /// Gives up the configurations in which no plane is found between two capsules.
@@ -374,36 +387,41 @@ impl Lanes {
         of: (usize, f32),
         with: (usize, f32),
         travel_b: [f32; 2],
-        gap: &Gap<'_>,
+        gap: &Gap,
     ) {
         let (a, da, b, db) = (self.a[of.0], self.d[of.0], self.a[with.0], self.d[with.0]);
+        let (mut free, mut proven, scale) = (self.free, self.proven, gap.scale);
         for k in 0..LANES {
             let r = [a[0][k] - b[0][k], a[1][k] - b[1][k], a[2][k] - b[2][k]];
             let da = [da[0][k], da[1][k], da[2][k]];
             let db = [db[0][k], db[1][k], db[2][k]];
             let (n, size) = across(&r, (&da, of.1), (&db, with.1));
             let (at_a, along, beyond) = (dot(&n, &r), dot(&n, &da), dot(&n, &db));
-            self.free[k] &= mask(at_a + less(along, 0.0) - greater(beyond, 0.0) > gap.radius * size + NO_DIRECTION);
+            let wanted = gap.radius * size + NO_DIRECTION;
+            free[k] &= mask(at_a + less(along, 0.0) - greater(beyond, 0.0) > wanted);
             if TRAVEL {
-                let way = gap.scale[k] * size;
+                let way = scale[k] * size;
                 let first = less(at_a - gap.travel[0] * way, at_a + along - gap.travel[1] * way);
                 let second = greater(travel_b[0] * way, beyond + travel_b[1] * way);
-                self.proven[k] &= mask(first - second > gap.radius * size + NO_DIRECTION);
+                proven[k] &= mask(first - second > wanted);
             }
         }
+        (self.free, self.proven) = (free, proven);
     }
+}
 
-    /// Whether the ends of an axis stand `gap` before a plane: `at_a` is the height of the first above it, `at_a + along`
-    /// that of the second, both times the length `size` of the plane's normal.
-    #[inline(always)]
-    fn decide<const TRAVEL: bool>(&mut self, k: usize, at_a: f32, along: f32, size: f32, gap: &Gap<'_>) {
-        self.free[k] &= mask(at_a + less(along, 0.0) > gap.radius * size + NO_DIRECTION);
-        if TRAVEL {
-            let way = gap.scale[k] * size;
-            let height = less(at_a - gap.travel[0] * way, at_a + along - gap.travel[1] * way);
-            self.proven[k] &= mask(height > gap.radius * size + NO_DIRECTION);
-        }
+/// Whether the ends of an axis stand `gap` before a plane, as they are and when they travel: `at_a` is the height of the
+/// first above it, `at_a + along` that of the second, both times the length `size` of the plane's normal.
+#[inline(always)]
+fn decide<const TRAVEL: bool>(at_a: f32, along: f32, size: f32, gap: &Gap, scale: f32) -> (u32, u32) {
+    let wanted = gap.radius * size + NO_DIRECTION;
+    let free = mask(at_a + less(along, 0.0) > wanted);
+    if !TRAVEL {
+        return (free, free);
     }
+    let way = scale * size;
+    let height = less(at_a - gap.travel[0] * way, at_a + along - gap.travel[1] * way);
+    (free, mask(height > wanted))
 }
 
 /// The largest travel among the capsules of a group; 0 if there is none to look up.

@@ -22,7 +22,8 @@ use crate::watch::Watch;
 
 /// Resolution of the meshes whose corners make collision hulls: 32 columns, 16 rows.
 const HULL_HALF: u32 = 4;
-/// Edge of the cells that a cluster without a fit fills: the distance of neighbouring points of a thinned cloud, doubled.
+/// Edge of the cells that a cluster without a fit fills: half as wide as a finger, so that no finger fits between points
+/// of one surface that the camera sees a centimetre apart.
 const CELL_M: f64 = 0.01;
 
 /// Robot, obstacles and the object of a request.
