@@ -64,7 +64,9 @@ impl Studio for BuiltInStudio {
         let state = Standing::of(input, &robot);
         let outputs = input.outputs;
         let grasps = outputs.candidates();
-        let under_way = matches!(input.posture, Posture::Plan { time_s } if time_s > 0.0);
+        // A try shows what stood in the way, and nothing beside it.
+        let is_try = input.planning.shown_try.is_some();
+        let under_way = is_try || matches!(input.posture, Posture::Plan { time_s } if time_s > 0.0);
         let has_goal = outputs.grasps.as_ref().is_some_and(|g| g.X_WO_goal.is_some());
         let (X_WO_goal, X_WO_between) = goals(input);
         let content = Content {
@@ -300,7 +302,10 @@ fn culprit_labels(content: &Content<'_>) -> Vec<Label> {
     let table = &content.scene.table;
     let table = ("table", Point3::new(table.center_m[0], table.center_m[1], table.height_m));
     let blamed = links.chain(boxes).chain([table]).filter(|(name, _)| content.motion.blames(name));
-    blamed.map(|(name, p_W)| Label { p_W, text: name.replace('_', " "), tone: Tone::Rejected }).collect()
+    let mut blamed: Vec<(&str, Point3<f64>)> = blamed.collect();
+    // A crate is several boxes of one name.
+    blamed.dedup_by(|after, before| after.0 == before.0);
+    blamed.into_iter().map(|(name, p_W)| Label { p_W, text: name.replace('_', " "), tone: Tone::Rejected }).collect()
 }
 
 /// Numbers of the hand's routes at their middles.

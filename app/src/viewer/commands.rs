@@ -8,6 +8,7 @@ use endcomfort_core::robot::HandDescription;
 use endcomfort_core::scene::{ArmChoice, SCENE_VERSION, Scene};
 use endcomfort_core::task::Plan;
 
+use super::goal_drag::GoalDrag;
 use super::state::{IkChoice, Side, StageState, Standing, Step, ThemeChoice};
 use super::{Document, GraspCommand, LabCommand, Layer, Overlay, PlanCommand, Playback, ViewerState, playback};
 
@@ -208,6 +209,7 @@ impl ViewerState {
                 self.playback.play(duration_s);
                 self.lab.is_open = false;
                 self.selection.ik = None;
+                self.planning.selected_try = None;
             }
             Command::SetPlaying(false) => self.playback.playing = false,
             Command::Seek(time_s) => self.seek(time_s),
@@ -360,6 +362,7 @@ impl ViewerState {
             return Vec::new();
         }
         self.fallback = None;
+        self.planning.drag = GoalDrag::default();
         self.history.record(self.document.clone());
         self.set_document(document);
         self.run()
@@ -380,6 +383,7 @@ impl ViewerState {
 
     fn replace(&mut self, document: Document) -> Vec<Effect> {
         self.fallback = None;
+        self.planning.drag = GoalDrag::default();
         let scene = document.scene.clone();
         self.demo = self.demos.iter().find(|demo| demo.scene.name == scene.name).map(|demo| demo.name.clone());
         self.set_document(document);
@@ -406,6 +410,7 @@ impl ViewerState {
             self.playback.time_s = time_s.max(0.0).min(self.duration_s());
             self.lab.is_open = false;
             self.selection.ik = None;
+            self.planning.selected_try = None;
         }
     }
 
@@ -432,6 +437,8 @@ impl ViewerState {
             self.overlay = Overlay::None;
         } else if self.drawer.is_some() {
             self.drawer = None;
+        } else if self.planning.selected_try.is_some() {
+            self.planning.selected_try = None;
         } else if self.selection.ik.is_some() {
             self.selection.ik = None;
         } else {

@@ -124,6 +124,7 @@ impl ViewerState {
         *self.stage_mut(stage) = StageState::Refused(refusal);
         self.playback.playing = false;
         self.selection.ik = None;
+        self.planning.selected_try = None;
         // Whoever works on the fit or on the grasps stays there: the stepper says what became of the later stages.
         let works = match self.selection.step {
             Step::Stage(step) if step < stage => step == Stage::Fit || self.edits_grasps(),

@@ -13,7 +13,7 @@ use crate::viewer::widgets::{paragraph, segmented_wide, text_in};
 use crate::viewer::{Command, Curve, PlanCommand, ViewerState, format, playback};
 
 /// Height of the plot of one among many joints, points.
-const SMALL_PLOT: f32 = 33.0;
+const SMALL_PLOT: f32 = 28.0;
 /// Height of a plot of a single joint, points.
 const LARGE_PLOT: f32 = 96.0;
 

@@ -28,8 +28,8 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         ui.multiply_opacity(0.45);
     }
     phases(ui, plan, track, state.duration_s());
-    legs(ui, plan, track, state.duration_s());
     curve(ui, state, plan, track, pointed);
+    legs(ui, state, plan, track);
 }
 
 /// No plan: the reason, or what is going on.
@@ -208,20 +208,23 @@ fn phases(ui: &Ui, plan: &Plan, track: Rect, duration_s: f64) {
 }
 
 /// Where the object is grasped anew: a line through everything, the number of the hold beside it.
-fn legs(ui: &Ui, plan: &Plan, track: Rect, duration_s: f64) {
+fn legs(ui: &Ui, state: &ViewerState, plan: &Plan, track: Rect) {
     if plan.legs.len() < 2 {
         return;
     }
     let tokens = Tokens::of(ui);
     for (leg, about) in plan.legs.iter().enumerate() {
         let Some(first) = plan.phases.iter().find(|phase| phase.leg == leg) else { continue };
-        let x = x_of(track, first.start_s, duration_s);
+        let x = x_of(track, first.start_s, state.duration_s());
         if leg > 0 {
             ui.painter().vline(x, track.y_range(), Stroke::new(1.5, tokens.faint));
         }
-        let text = format!("{} hold, grasp {}", format::ordinal(leg + 1), about.grasp.id);
-        let at = pos2(x + if leg > 0 { 6.0 } else { 0.0 }, track.bottom());
-        let _rect = ui.painter().text(at, Align2::LEFT_BOTTOM, text, font(SMALL), tokens.secondary);
+        let text = format!("{} hold, {}", format::ordinal(leg + 1), state.grasp_title(about.grasp.id));
+        let galley = ui.painter().layout_no_wrap(text, font(SMALL), tokens.secondary);
+        let at = pos2(x + if leg > 0 { 6.0 } else { 0.0 }, track.bottom() - galley.size().y);
+        let back = Rect::from_min_size(at, galley.size()).expand2(vec2(3.0, 0.0));
+        ui.painter().rect_filled(back, 2.0, tokens.overlay);
+        ui.painter().galley(at, galley, tokens.secondary);
     }
 }
 

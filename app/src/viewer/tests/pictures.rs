@@ -3,6 +3,7 @@
 use endcomfort_core::grasp::{ApproachCone, GraspFilter, GraspSettings, RankBy, RankSettings, Region};
 use endcomfort_core::job::{Output, Refusal, Stage, Update};
 use endcomfort_core::scene::{Action, Step as TaskStep};
+use endcomfort_core::task::Phase;
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::{Page, invented, page};
@@ -113,6 +114,27 @@ fn plan(page: PlanPage) -> ViewerState {
     with(at(Step::Stage(Stage::Plan)), [show, Command::Planning(PlanCommand::Page(page))])
 }
 
+/// The object is put down in between and grasped anew.
+fn two_holds() -> ViewerState {
+    let mut state = at(Step::Stage(Stage::Plan));
+    for (elapsed_ms, mut output) in invented::outputs() {
+        if let Output::Plan(plan) = &mut output {
+            let (again, start_s) = (plan.phases.clone(), plan.duration_s());
+            let late = |mut phase: Phase| {
+                phase.start_s += start_s;
+                phase.leg = 1;
+                phase
+            };
+            plan.phases.extend(again.into_iter().map(late));
+            let mut leg = plan.legs[0].clone();
+            leg.grasp.id = 262;
+            plan.legs.push(leg);
+        }
+        invented::done(&mut state, elapsed_ms, output);
+    }
+    with(state, [Command::Seek(14.0)])
+}
+
 /// A task of three steps, the second one open.
 fn task() -> ViewerState {
     let put = |x: f64, y: f64| TaskStep::put(Isometry3::translation(x, y, 0.83));
@@ -174,6 +196,7 @@ fn every_screen_is_drawn_in_both_themes() {
         ("plan-compared", SMALL, plans_compared()),
         ("plan-compared", LARGE, plans_compared()),
         ("plan-compared", PHONE, with(plans_compared(), [Command::ToggleDrawer(Side::Right)])),
+        ("plan-legs", SMALL, two_holds()),
         ("plan-task", SMALL, task()),
         ("plan-task", LARGE, task()),
         ("plan-task", PHONE, with(task(), [Command::ToggleDrawer(Side::Right)])),

@@ -190,7 +190,15 @@ fn a_row_of_the_tries_shows_the_robot_where_it_failed_while_it_is_pointed_at_or_
     assert_eq!(harness.state().state.posture(), Posture::Try { index: 1 });
     harness.key_press(Key::Space);
     harness.run_steps(1);
-    assert!(matches!(harness.state().state.posture(), Posture::Plan { .. }), "playing shows the plan");
+    harness.key_press(Key::Space);
+    harness.run_steps(1);
+    assert!(matches!(harness.state().state.posture(), Posture::Plan { .. }), "whoever plays wants the plan");
+    harness.get_by_label_contains(label).click();
+    harness.run_steps(2);
+    harness.remove_cursor();
+    harness.key_press(Key::Escape);
+    harness.run_steps(2);
+    assert!(matches!(harness.state().state.posture(), Posture::Plan { .. }), "Esc leaves it");
 }
 
 #[test]
@@ -319,4 +327,22 @@ fn layers_of_the_plan_are_switched_in_its_panel() {
         assert!(harness.state().state.layers.get(layer).visible, "{name}");
     }
     assert_eq!(harness.query_all_by_role_and_label(egui::Role::SpinButton, "Ghosts").count(), 1);
+}
+
+#[test]
+fn a_task_of_several_steps_is_shown_with_all_its_goals_and_phases() {
+    let mut bench = Bench::until("pour", Stage::Plan);
+    bench.apply(Command::SelectStep(Step::Stage(Stage::Plan)));
+    let mut studio = BuiltInStudio::default();
+    let goals = |bench: &Bench, studio: &mut BuiltInStudio| -> Vec<String> {
+        let labels = studio.compose(&bench.page.state.compose_input(true)).labels;
+        labels.into_iter().filter(|label| label.tone == crate::viewer::Tone::Goal).map(|label| label.text).collect()
+    };
+    assert_eq!(goals(&bench, &mut studio), ["goal 2"], "the first one can be moved: the gizmo stands there");
+    bench.apply(Command::Planning(PlanCommand::SelectGoal(1)));
+    assert_eq!(goals(&bench, &mut studio), ["goal 1"]);
+    let mut harness = window(bench, [1280.0, 720.0], true);
+    let _picture = picture(&mut harness, "plans-pour");
+    assert_eq!(harness.query_all_by_label("Go to Pour").count(), 1);
+    assert_eq!(harness.query_all_by_label("Lift the goal of step 2").count(), 1);
 }

@@ -238,3 +238,15 @@ fn the_scene_leads_to_its_task() {
     let state = &harness.state().state;
     assert_eq!((state.selection.step, state.plan_page()), (Step::Stage(Stage::Plan), PlanPage::Task));
 }
+
+#[test]
+fn undo_in_the_middle_of_a_drag_ends_it() {
+    let mut state = invented::planned();
+    let before = goal(&state, 0);
+    let to = Isometry3::translation(0.02, 0.0, 0.0) * before;
+    let _run = state.apply(Command::Planning(PlanCommand::DragGoal { step: 0, X_WO_goal: to }));
+    let _run = state.apply(Command::Undo);
+    assert!(!state.is_dragging_goal() && goal(&state, 0) == before);
+    let end = state.apply(Command::Planning(PlanCommand::EndDrag));
+    assert!(end.is_empty() && goal(&state, 0) == before);
+}
