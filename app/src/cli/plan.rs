@@ -87,11 +87,13 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
     for phase in &plan.phases {
         let clearance = phase.clearance_m.iter().copied().fold(f64::INFINITY, f64::min);
         println!(
-            "  {:9} {:6.2} s … {:6.2} s   clearance {:.0} mm",
+            "  {:9} {:6.2} s … {:6.2} s   clearance {:.0} mm, {} to {}",
             phase.kind.name(),
             phase.start_s,
             phase.start_s + phase.trajectory.duration_s(),
-            clearance * 1e3
+            clearance * 1e3,
+            phase.closest[0],
+            phase.closest[1],
         );
     }
     for (index, route) in plan.routes.iter().enumerate() {

@@ -128,8 +128,8 @@ pub fn assemble(cell: &Workcell, legs: Vec<LegPlan>) -> Plan {
         plan.legs.push(done);
         plan.tries.extend(tries);
         plan.routes.extend(routes);
-        for Draft { kind, trajectory, carries, manipulability, clearance_m } in drafts {
-            let phase = Phase { kind, leg, start_s, trajectory, carries, manipulability, clearance_m };
+        for Draft { kind, trajectory, carries, manipulability, clearance_m, closest } in drafts {
+            let phase = Phase { kind, leg, start_s, trajectory, carries, manipulability, clearance_m, closest };
             start_s += phase.trajectory.duration_s();
             plan.phases.push(phase);
         }

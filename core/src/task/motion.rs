@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Translation3, Vector3};
 use super::setback::Blocked;
 use super::ways_between::RoadmapOnce;
 use super::{MotionSettings, PhaseKind, Workcell};
-use crate::collision::Scratch;
+use crate::collision::{Clearance, Scratch};
 use crate::plan::{
     ArmSpace, CartesianSettings, CartesianStop, EdgeCause, MotionLimits, Path, StopReason, TimingSettings, Trajectory,
     follow_poses, straight_line, time_path,
@@ -23,6 +23,7 @@ pub(super) struct Draft {
     pub(super) carries: bool,
     pub(super) manipulability: Vec<f64>,
     pub(super) clearance_m: Vec<f64>,
+    pub(super) closest: [String; 2],
 }
 
 impl Draft {
@@ -30,6 +31,10 @@ impl Draft {
     pub(super) fn then(mut self, rest_s: f64, next: &Self) -> Self {
         let sample_s = TimingSettings::default().sample_s;
         let samples = libm::ceil(rest_s / sample_s).max(0.0) as usize;
+        let least = |of: &[f64]| of.iter().copied().fold(f64::INFINITY, f64::min);
+        if least(&next.clearance_m) < least(&self.clearance_m) {
+            self.closest.clone_from(&next.closest);
+        }
         let mut push = |q: &[f64], m: f64, clearance_m: f64| {
             self.trajectory.times_s.push(self.trajectory.positions.len() as f64 * sample_s);
             self.trajectory.positions.push(q.to_vec());
@@ -111,11 +116,18 @@ impl Mover<'_> {
         let mut trajectory =
             time_path(space, path, &limits, &timing).map_err(|error| Blocked::because(error.to_string()))?;
         let mut scratch = Scratch::default();
-        let clearance_m =
-            trajectory.positions.iter().map(|q| space.checker.distance(&mut scratch, q).distance_m).collect();
+        let mut nearest = Clearance { distance_m: f64::INFINITY, a: String::new(), b: String::new() };
+        let mut clearance_m = Vec::with_capacity(trajectory.positions.len());
+        for q in &trajectory.positions {
+            let clearance = space.checker.distance(&mut scratch, q);
+            clearance_m.push(clearance.distance_m);
+            if clearance.distance_m < nearest.distance_m {
+                nearest = clearance;
+            }
+        }
         let manipulability = self.manipulability(&trajectory, fingers);
         trajectory.positions.iter_mut().for_each(|q| q.extend_from_slice(fingers));
-        Ok(Draft { kind, trajectory, carries, manipulability, clearance_m })
+        Ok(Draft { kind, trajectory, carries, manipulability, clearance_m, closest: [nearest.a, nearest.b] })
     }
 
     /// The phase that moves the fingers with the arm at rest: from rest to rest, a cubic in time.
@@ -132,14 +144,15 @@ impl Mover<'_> {
         }
         let still = Trajectory { times_s: vec![0.0], positions: vec![q.to_vec()] };
         let m = self.manipulability(&still, to)[0];
-        let clearance_m = space.checker.distance(&mut Scratch::default(), q).distance_m;
+        let Clearance { distance_m, a, b } = space.checker.distance(&mut Scratch::default(), q);
         let samples = steps + 1;
         Draft {
             kind,
             trajectory,
             carries: false,
             manipulability: vec![m; samples],
-            clearance_m: vec![clearance_m; samples],
+            clearance_m: vec![distance_m; samples],
+            closest: [a, b],
         }
     }
 

@@ -33,21 +33,61 @@ pub(super) fn phases_with(mover: &Mover<'_>, grasp: &Grasp) -> Result<Done, Setb
         leg.slide(set)?;
         return Ok(Done { drafts: leg.drafts, X_WO_end: set.X_WO, routes: leg.routes });
     }
-    let mut q = leg.pick()?;
+    let grips = leg.grips()?;
+    let all: Vec<usize> = (0..grips.ways.len()).collect();
+    // A route decides from which posture it can be followed, so it comes before the reach.
+    let mut first = None;
+    let mut choices = all;
+    if let (Planner::Routes, Some((stop, set))) = (mover.settings.planner, stops.iter().zip(&sets).next()) {
+        let arrivals = leg.arrivals(stop, set)?;
+        let entries: Vec<Vec<f64>> = grips.ways.iter().map(|ways| ways.entry().to_vec()).collect();
+        let found = leg.transport(stop, &entries, &arrivals.ways)?;
+        choices = vec![found.start];
+        first = Some((arrivals, found));
+    }
+    let mut q = leg.take(&grips, &choices)?;
     let mut X_WO_end = Translation3::new(0.0, 0.0, mover.settings.lift_m) * mover.cell.X_WO_start;
     for (stop, set) in stops.iter().zip(sets) {
+        let (arrivals, found) = match first.take() {
+            Some(known) => known,
+            None => {
+                let arrivals = leg.arrivals(stop, set)?;
+                let found = leg.transport(stop, std::slice::from_ref(&q), &arrivals.ways)?;
+                (arrivals, found)
+            }
+        };
+        leg.along(PhaseKind::Transport, &found.space, &found.path, true)?;
+        let ways = &arrivals.ways[found.goal];
         match stop.action {
             Action::Pour { hold_s } => {
-                q = leg.pour(stop, set, hold_s, &q)?;
+                leg.tilt(&arrivals.holding, ways, hold_s)?;
                 X_WO_end = upright_again(&set.X_WO, &mover.cell.X_WO_start);
             }
             Action::Put | Action::Slide => {
-                leg.put(stop, set, &q)?;
+                leg.along(PhaseKind::Place, &arrivals.holding, &ways.inwards(), true)?;
+                leg.open_and_retreat(&arrivals.leaving, &ways.held, &ways.back)?;
                 X_WO_end = set.X_WO;
             }
         }
+        q = ways.entry().to_vec();
     }
     Ok(Done { drafts: leg.drafts, X_WO_end, routes: leg.routes })
+}
+
+/// Ways to take the object where it stands.
+struct Grips {
+    approaching: ArmSpace,
+    lifting: ArmSpace,
+    ways: Vec<Ways>,
+}
+
+/// Ways to bring it to a stop.
+struct Arrivals {
+    /// With the object in the hand, at the stop.
+    holding: ArmSpace,
+    /// With the open hand beside it.
+    leaving: ArmSpace,
+    ways: Vec<Ways>,
 }
 
 struct LegWith<'a> {
@@ -97,7 +137,7 @@ impl LegWith<'_> {
         kind: PhaseKind,
         space: &ArmSpace,
         among: &World,
-        from: &[f64],
+        from: &[Vec<f64>],
         goals: &[Vec<f64>],
     ) -> Result<Found, Setback> {
         let carries = kind == PhaseKind::Transport;
@@ -107,7 +147,7 @@ impl LegWith<'_> {
             self.routes = routes;
             found
         } else {
-            self.mover.search(space, from, goals)
+            self.mover.search(space, from.first().map_or(&[], Vec::as_slice), goals)
         };
         found.map_err(|blocked| blocked.in_phase(kind, carries))
     }
@@ -126,7 +166,7 @@ impl LegWith<'_> {
         let found = if cell.leg().is_empty() {
             let situation = cell.approaching(&cell.X_WO_start);
             let among = situation.map_err(|error| Setback::of(PhaseKind::Reach, &error))?.world;
-            self.search(PhaseKind::Reach, approaching, &among, &arm_start, &goals)?
+            self.search(PhaseKind::Reach, approaching, &among, &[arm_start], &goals)?
         } else {
             let found = self.mover.search(approaching, &arm_start, &goals);
             found.map_err(|blocked| blocked.in_phase(PhaseKind::Reach, false))?
@@ -145,41 +185,47 @@ impl LegWith<'_> {
         self.along(PhaseKind::Retreat, leaving, back, false)
     }
 
-    /// Reach, close, lift; where the arm is then.
-    fn pick(&mut self) -> Result<Vec<f64>, Setback> {
+    fn grips(&self) -> Result<Grips, Setback> {
         let X_WO = self.mover.cell.X_WO_start;
         let approaching = self.empty_handed(PhaseKind::Reach, &X_WO)?;
         let lifting = self.carrying(PhaseKind::Lift, &[X_WO])?;
-        let X_WH = X_WO * self.grasp.X_OH;
-        let ways =
-            picks(self.mover, self.start()?, &X_WH, (PhaseKind::Reach, &approaching), (PhaseKind::Lift, &lifting))?;
-        let chosen = self.reach_and_close(&approaching, &lifting, &ways.iter().collect::<Vec<_>>())?;
-        self.along(PhaseKind::Lift, &lifting, &ways[chosen].with_object, true)?;
+        let (X_WH, open, carrying) =
+            (X_WO * self.grasp.X_OH, (PhaseKind::Reach, &approaching), (PhaseKind::Lift, &lifting));
+        let ways = picks(self.mover, self.start()?, &X_WH, open, carrying)?;
+        Ok(Grips { approaching, lifting, ways })
+    }
+
+    /// Reach to one of the chosen configurations, close, lift; where the arm is then.
+    fn take(&mut self, grips: &Grips, choices: &[usize]) -> Result<Vec<f64>, Setback> {
+        let Grips { approaching, lifting, ways } = grips;
+        let ways: Vec<&Ways> = choices.iter().map(|&index| &ways[index]).collect();
+        let chosen = self.reach_and_close(approaching, lifting, &ways)?;
+        self.along(PhaseKind::Lift, lifting, &ways[chosen].with_object, true)?;
         Ok(ways[chosen].entry().to_vec())
     }
 
-    /// Carry it there, lower it, let go.
-    fn put(&mut self, stop: &Stop, set: &Situated, from: &[f64]) -> Result<(), Setback> {
+    fn arrivals(&self, stop: &Stop, set: &Situated) -> Result<Arrivals, Setback> {
         let X_WO = set.X_WO;
         let leaving = self.empty_handed(PhaseKind::Retreat, &X_WO)?;
-        let placing = self.carrying(PhaseKind::Place, &[X_WO])?;
-        let X_WH = X_WO * self.grasp.X_OH;
-        let ways = picks(self.mover, set, &X_WH, (PhaseKind::Retreat, &leaving), (PhaseKind::Place, &placing))?;
-        let chosen = self.transport(stop, from, &ways)?;
-        self.along(PhaseKind::Place, &placing, &ways[chosen].inwards(), true)?;
-        self.open_and_retreat(&leaving, &ways[chosen].held, &ways[chosen].back)
+        let is_poured = matches!(stop.action, Action::Pour { .. });
+        let (phase, supports) = if is_poured { (PhaseKind::Pour, &[][..]) } else { (PhaseKind::Place, &[X_WO][..]) };
+        let holding = self.carrying(phase, supports)?;
+        let ways = if is_poured {
+            let X_WO_upright = upright_again(&X_WO, &self.mover.cell.X_WO_start);
+            pours(self.mover, set, &self.grasp.X_OH, &X_WO_upright, &holding)?
+        } else {
+            let X_WH = X_WO * self.grasp.X_OH;
+            picks(self.mover, set, &X_WH, (PhaseKind::Retreat, &leaving), (PhaseKind::Place, &holding))?
+        };
+        Ok(Arrivals { holding, leaving, ways })
     }
 
-    /// Carry it there, tilt it, wait, turn it back; where the arm is then.
-    fn pour(&mut self, stop: &Stop, set: &Situated, hold_s: f64, from: &[f64]) -> Result<Vec<f64>, Setback> {
-        let carrying = self.carrying(PhaseKind::Pour, &[])?;
-        let X_WO_upright = upright_again(&set.X_WO, &self.mover.cell.X_WO_start);
-        let ways = pours(self.mover, set, &self.grasp.X_OH, &X_WO_upright, &carrying)?;
-        let chosen = self.transport(stop, from, &ways)?;
-        let tilt = self.draft(PhaseKind::Pour, &carrying, &ways[chosen].inwards(), true)?;
-        let tilt_back = self.draft(PhaseKind::Pour, &carrying, &ways[chosen].with_object, true)?;
+    /// Tilt it, wait, turn it back.
+    fn tilt(&mut self, holding: &ArmSpace, ways: &Ways, hold_s: f64) -> Result<(), Setback> {
+        let tilt = self.draft(PhaseKind::Pour, holding, &ways.inwards(), true)?;
+        let tilt_back = self.draft(PhaseKind::Pour, holding, &ways.with_object, true)?;
         self.drafts.push(tilt.then(hold_s, &tilt_back));
-        Ok(ways[chosen].entry().to_vec())
+        Ok(())
     }
 
     /// The axis of the object that pointed up at its start stays within an angle of the vertical.
@@ -191,17 +237,15 @@ impl LegWith<'_> {
         upright.map_err(|error| Blocked::because(error.to_string()).in_phase(PhaseKind::Transport, true))
     }
 
-    /// Carry it to one of the places; which one it is.
-    fn transport(&mut self, stop: &Stop, from: &[f64], ways: &[Ways]) -> Result<usize, Setback> {
+    /// A way from one of the places, over one of which it is held, to one where it shall go.
+    fn transport(&mut self, stop: &Stop, from: &[Vec<f64>], ways: &[Ways]) -> Result<Found, Setback> {
         let mut carrying = self.carrying(PhaseKind::Transport, &[])?;
         if let Some(max_tilt_rad) = stop.keep_upright_rad {
             carrying = carrying.keeping_upright(self.upright(max_tilt_rad)?);
         }
         let goals: Vec<Vec<f64>> = ways.iter().map(|ways| ways.entry().to_vec()).collect();
         let among = &self.mover.cell.world;
-        let found = self.search(PhaseKind::Transport, &carrying, among, from, &goals)?;
-        self.along(PhaseKind::Transport, &found.space, &found.path, true)?;
-        Ok(found.goal)
+        self.search(PhaseKind::Transport, &carrying, among, from, &goals)
     }
 
     /// Reach, close, push along the table, let go.

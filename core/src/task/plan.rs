@@ -101,6 +101,8 @@ pub struct Phase {
     pub manipulability: Vec<f64>,
     /// Smallest distance to anything, metres, of each sample.
     pub clearance_m: Vec<f64>,
+    /// Names of the two that come closest in this phase; empty if there is nothing to come close to.
+    pub closest: [String; 2],
 }
 
 /// Something that was tried in vain.

@@ -29,6 +29,7 @@ pub fn plan_json_lines(plan: &Plan, robot: &Robot) -> Vec<Value> {
                 "positions": phase.trajectory.positions,
                 "manipulability": phase.manipulability,
                 "clearance_m": phase.clearance_m,
+                "closest": phase.closest,
             })
         })
         .collect()

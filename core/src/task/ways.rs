@@ -3,11 +3,14 @@
 
 use nalgebra::{Isometry3, Translation3};
 
-use super::PhaseKind;
 use super::motion::{Mover, reversed};
 use super::setback::{Blocked, Setback};
+use super::{PhaseKind, Planner};
 use crate::grasp::Situated;
 use crate::plan::{ArmSpace, Path};
+
+/// Configurations of an IK set whose ways are looked for when the hand shall follow a route.
+const TRIED_FOR_ROUTES: usize = 48;
 
 /// The ways from one configuration that holds the object.
 pub(super) struct Ways {
@@ -30,7 +33,7 @@ pub(super) fn picks(
     open: In<'_>,
     carrying: In<'_>,
 ) -> Result<Vec<Ways>, Setback> {
-    collect(set, |q| {
+    collect(mover, set, |q| {
         let back = mover.back_off(open.1, q, X_WH).map_err(|blocked| blocked.in_phase(open.0, false))?;
         let rise = mover.rise(carrying.1, q, X_WH).map_err(|blocked| blocked.in_phase(carrying.0, true))?;
         Ok(Ways { held: q.to_vec(), back, with_object: rise })
@@ -46,7 +49,7 @@ pub(super) fn slides(
     [approaching, sliding, leaving]: [&ArmSpace; 3],
 ) -> Result<Vec<(Ways, Path)>, Setback> {
     let (X_WH_start, X_WH_end) = (X_WO_start * X_OH, X_WO_end * X_OH);
-    collect(set, |q| {
+    collect(mover, set, |q| {
         let fail = |phase, carries| move |blocked: Blocked| blocked.in_phase(phase, carries);
         let back = mover.back_off(approaching, q, &X_WH_start).map_err(fail(PhaseKind::Reach, false))?;
         let along = mover.straight(sliding, q, &X_WH_start, &X_WH_end).map_err(fail(PhaseKind::Slide, true))?;
@@ -65,7 +68,7 @@ pub(super) fn pours(
     carrying: &ArmSpace,
 ) -> Result<Vec<Ways>, Setback> {
     let (X_WH, X_WH_upright) = (set.X_WO * X_OH, X_WO_upright * X_OH);
-    collect(set, |q| {
+    collect(mover, set, |q| {
         let tilt_back = mover.straight(carrying, q, &X_WH, &X_WH_upright);
         let with_object = tilt_back.map_err(|blocked| blocked.in_phase(PhaseKind::Pour, true))?;
         Ok(Ways { held: q.to_vec(), back: Path::default(), with_object })
@@ -73,10 +76,14 @@ pub(super) fn pours(
 }
 
 /// The ways of all configurations that have them; the first one's setback if none has.
-fn collect<T>(set: &Situated, mut ways: impl FnMut(&[f64]) -> Result<T, Setback>) -> Result<Vec<T>, Setback> {
+fn collect<T>(
+    mover: &Mover<'_>,
+    set: &Situated,
+    mut ways: impl FnMut(&[f64]) -> Result<T, Setback>,
+) -> Result<Vec<T>, Setback> {
     let mut found = Vec::new();
     let mut first: Option<Setback> = None;
-    for &index in &set.with_ways {
+    for index in tried(mover, set) {
         match ways(&set.solutions[index]) {
             Ok(ways) => found.push(ways),
             Err(setback) => first = first.or(Some(setback)),
@@ -92,6 +99,17 @@ fn collect<T>(set: &Situated, mut ways: impl FnMut(&[f64]) -> Result<T, Setback>
         }
         None => Ok(found),
     }
+}
+
+/// Configurations whose ways are looked for: those that promise them. The planner of routes wants more of them, because
+/// a hand that follows a route can hardly change the branch of its arm: after those, others evenly over the set.
+fn tried(mover: &Mover<'_>, set: &Situated) -> Vec<usize> {
+    let mut tried = set.with_ways.clone();
+    if mover.settings.planner == Planner::Routes {
+        let stride = set.solutions.len().div_ceil(TRIED_FOR_ROUTES).max(1);
+        tried.extend((0..set.solutions.len()).step_by(stride).filter(|index| !set.with_ways.contains(index)));
+    }
+    tried
 }
 
 impl Ways {

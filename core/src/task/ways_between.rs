@@ -9,7 +9,7 @@ use super::setback::Blocked;
 use super::{Planner, Route};
 use crate::collision::{BallChecker, Scratch, World};
 use crate::plan::{
-    ArmSpace, BirrtSettings, ClearPath, ClearSettings, EdgeCause, FollowReason, FollowSettings, FollowStop,
+    ArmSpace, BirrtSettings, ClearPath, ClearSettings, EdgeCause, FollowReason, FollowSettings, FollowStop, Followed,
     FollowingArm, FreeSpace, NoPath, Path, PlanOutcome, Roadmap, RoadmapSettings, RouteRefusal, RouteSettings,
     ShortcutSettings, diverse_routes, follow_route, plan_by_roadmap, plan_clear_path, plan_path, shorten,
 };
@@ -32,6 +32,8 @@ const SAME_POSE: f64 = 1e-6;
 /// A way to one of several goals.
 pub(super) struct Found {
     pub(super) path: Path,
+    /// Index of the start that it begins at.
+    pub(super) start: usize,
     /// Index of the goal that it ends at.
     pub(super) goal: usize,
     /// The space in which it was found: with the clearance that it keeps.
@@ -58,7 +60,7 @@ impl Mover<'_> {
         let ClearPath { found, space: clear, .. } = clear.map_err(|outcome| not_found(outcome, space, start, goals))?;
         // A straight way is not made shorter by another search.
         let searches = if found.nodes == 0 { 1 } else { SEARCHES };
-        let mut best = Found { path: found.path, goal: found.goal, space: clear };
+        let mut best = Found { path: found.path, start: 0, goal: found.goal, space: clear };
         for attempt in 1..searches {
             let seed = self.seed.wrapping_add(attempt);
             let outcome = plan_path(&best.space, start, goals, &BirrtSettings::default(), seed, &self.watch);
@@ -80,34 +82,30 @@ impl Mover<'_> {
             if let PlanOutcome::Found(found) = plan_by_roadmap(space, roadmap, start, goals, &settings, &self.watch) {
                 // Places that are drawn, but the same ones whatever the scene's seed is.
                 let path = shorten(space, &found.path, &ShortcutSettings::default(), 0, &self.watch);
-                return Ok(Found { path, goal: found.goal, space: space.clone() });
+                return Ok(Found { path, start: 0, goal: found.goal, space: space.clone() });
             }
         }
         let outcome = plan_by_roadmap(space, roadmap, start, goals, &usual, &self.watch);
         Err(not_found(outcome, space, start, goals))
     }
 
-    /// Several clearly different routes of the hand to any of the goals, and the way of the one that is chosen.
+    /// Several clearly different routes of the hand from any of the starts to any of the goals, and the way of the one
+    /// that is chosen.
     ///
-    /// The goals at the first one's hand pose count. `duration_s` times a way.
+    /// Starts and goals at the hand pose of the first ones count. `duration_s` times a way.
     pub(super) fn by_routes(
         &self,
         space: &ArmSpace,
         among: &World,
-        start: &[f64],
+        starts: &[Vec<f64>],
         goals: &[Vec<f64>],
         duration_s: &dyn Fn(&Path) -> Option<f64>,
     ) -> (Vec<Route>, Result<Found, Blocked>) {
-        let pose = |q: &[f64]| self.hand_pose(q);
-        let Some(to) = goals.first().map(|q| pose(q)) else {
+        let (Some((from, start_of, starts)), Some((to, goal_of, goals))) =
+            (self.at_one_pose(starts), self.at_one_pose(goals))
+        else {
             return (Vec::new(), Err(Blocked::because("no configuration of the arm")));
         };
-        let same = |q: &Vec<f64>| {
-            let off = to.inv_mul(&pose(q));
-            off.translation.vector.norm() < SAME_POSE && off.rotation.angle() < SAME_POSE
-        };
-        let (indices, at_goal): (Vec<usize>, Vec<Vec<f64>>) =
-            goals.iter().cloned().enumerate().filter(|(_, q)| same(q)).unzip();
         let ik = &self.cell.ik;
         let X_WB = self.cell.robot.link_poses(&self.cell.q_start)[self.cell.arm().base_link];
         let ball = BallChecker::new(among, BALL_M);
@@ -115,12 +113,11 @@ impl Mover<'_> {
         let shoulder = X_WB * Point3::from(ik.chain().origin());
         let free = FreeSpace::new(&shoulder, [INNER_M, ik.chain().reach_m()], CELL_M, &room);
         let settings = RouteSettings { center_H: Point3::from(BALL_CENTER_H), ..RouteSettings::default() };
-        let found = match diverse_routes(&free, &pose(start), &to, &settings, &self.watch) {
+        let found = match diverse_routes(&free, &from, &to, &settings, &self.watch) {
             Ok(found) => found,
             Err(refusal) => return (Vec::new(), Err(Blocked::because(no_route(&refusal)))),
         };
-        let starts = [start.to_vec()];
-        let arm = FollowingArm { ik, X_WB, starts: &starts, goals: Some(&at_goal) };
+        let arm = FollowingArm { ik, X_WB, starts: &starts, goals: Some(&goals) };
         let mut routes = Vec::new();
         let mut best: Option<Found> = None;
         let mut first: Option<Blocked> = None;
@@ -135,12 +132,12 @@ impl Mover<'_> {
             };
             match follow_route(space, &arm, hand, &FollowSettings::default(), &self.watch) {
                 Ok(followed) => {
-                    let path = followed.followed.path;
+                    let Followed { path, start, goal } = followed.followed;
                     route.duration_s = duration_s(&path);
                     if self.settings.route.map_or(best.is_none(), |wanted| wanted == number) {
                         route.chosen = true;
-                        let goal = indices[followed.followed.goal.unwrap_or(0)];
-                        best = Some(Found { path, goal, space: space.clone() });
+                        let (start, goal) = (start_of[start], goal_of[goal.unwrap_or(0)]);
+                        best = Some(Found { path, start, goal, space: space.clone() });
                     }
                 }
                 Err(stop) => {
@@ -165,6 +162,17 @@ impl Mover<'_> {
             (None, None) => Blocked::because("there is no route"),
         });
         (routes, way)
+    }
+
+    /// The hand pose of the first configuration, and those that share it with their indices.
+    fn at_one_pose(&self, configurations: &[Vec<f64>]) -> Option<(Isometry3<f64>, Vec<usize>, Vec<Vec<f64>>)> {
+        let pose = self.hand_pose(configurations.first()?);
+        let same = |q: &Vec<f64>| {
+            let off = pose.inv_mul(&self.hand_pose(q));
+            off.translation.vector.norm() < SAME_POSE && off.rotation.angle() < SAME_POSE
+        };
+        let (indices, shared) = configurations.iter().cloned().enumerate().filter(|(_, q)| same(q)).unzip();
+        Some((pose, indices, shared))
     }
 
     /// Pose of the hand frame in the world at a configuration of the arm.

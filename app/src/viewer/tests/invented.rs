@@ -367,6 +367,7 @@ fn plan(grasp: Grasp) -> Plan {
                 start_s,
                 carries: matches!(kind, PhaseKind::Lift | PhaseKind::Transport | PhaseKind::Place),
                 manipulability: times_s.iter().map(at).collect(),
+                closest: ["right_thumb".to_owned(), "table".to_owned()],
                 clearance_m: times_s.iter().map(|t| 0.02 + 0.5 * at(t)).collect(),
                 trajectory: Trajectory {
                     positions: times_s.iter().map(|t| waves(moved_s + goes_s * eased(t / length_s))).collect(),
