@@ -308,13 +308,15 @@ fn culprit_labels(content: &Content<'_>) -> Vec<Label> {
     blamed.into_iter().map(|(name, p_W)| Label { p_W, text: name.replace('_', " "), tone: Tone::Rejected }).collect()
 }
 
-/// Numbers of the hand's routes at their middles.
+/// Numbers of the hand's routes beside them.
 fn route_labels(content: &Content<'_>) -> Vec<Label> {
     let Some(plan) = content.plan.filter(|_| content.layers.opacity(Layer::Routes) > 0.0) else { return Vec::new() };
-    let middle = |points: &[Point3<f64>]| points.get(points.len() / 2).copied();
+    // Routes part and meet again: each has its number at another share of its way.
+    let count = plan.routes.len() + 1;
+    let place = |index: usize, points: &[Point3<f64>]| points.get(points.len() * (index + 1) / count).copied();
     let label = |(index, route): (usize, &endcomfort_core::task::Route)| {
         let tone = if route.refused.is_some() { Tone::Rejected } else { Tone::Goal };
-        Some(Label { p_W: middle(&route.points_W)?, text: format!("route {}", index + 1), tone })
+        Some(Label { p_W: place(index, &route.points_W)?, text: format!("route {}", index + 1), tone })
     };
     plan.routes.iter().enumerate().filter_map(label).collect()
 }

@@ -34,7 +34,12 @@ impl ViewerState {
     /// The step of the task whose goal can be moved in the view; `None` while the view shows something else.
     pub fn goal_step(&self) -> Option<usize> {
         let last = self.document.scene.task.steps.len().checked_sub(1)?;
-        let is_open = matches!(self.selection.step, Step::Stage(Stage::Scene | Stage::Plan));
+        let is_open = match self.selection.step {
+            Step::Stage(Stage::Scene) => true,
+            // Over routes and tries it would lie in the way.
+            Step::Stage(Stage::Plan) => matches!(self.plan_page(), PlanPage::Plan | PlanPage::Task),
+            _ => false,
+        };
         (is_open && !self.playback.playing && self.shown_try().is_none()).then_some(self.planning.step.min(last))
     }
 
