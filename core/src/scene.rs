@@ -359,8 +359,8 @@ impl Scene {
 impl Step {
     fn check(&mut self, place: &str) -> Result<(), SceneError> {
         checked_pose(&format!("{place}.X_WO_goal"), &mut self.X_WO_goal)?;
-        // Half a turn as people type it.
-        let pi = 3.1416;
+        // Half a turn, and a little for those who type 3.1416.
+        let pi = std::f64::consts::PI + 1e-4;
         let [x_m, y_m] = self.freedom.area_m;
         let hold_s = if let Action::Pour { hold_s } = self.action { hold_s } else { 0.0 };
         for (name, value, high) in [

@@ -49,6 +49,7 @@ pub use roadmap::Roadmap;
 pub use roadmap_search::{RoadmapSettings, plan_by_roadmap};
 pub use routes::{RouteRefusal, RouteSettings, diverse_routes};
 pub use shortcut::{ShortcutSettings, shorten};
+pub(crate) use space::distance_rad;
 pub use space::{ArmSpace, ConfigurationFault, Path};
 pub use timing::{TimingError, TimingSettings, time_path};
 pub use trajectory::Trajectory;

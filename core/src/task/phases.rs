@@ -39,7 +39,7 @@ pub(super) fn phases_with(mover: &Mover<'_>, grasp: &Grasp) -> Result<Done, Setb
     let mut first = None;
     let mut choices = all;
     if let (Planner::Routes, Some((stop, set))) = (mover.settings.planner, stops.iter().zip(&sets).next()) {
-        let arrivals = leg.arrivals(stop, set)?;
+        let arrivals = leg.arrivals(stop, set, None)?;
         let entries: Vec<Vec<f64>> = grips.ways.iter().map(|ways| ways.entry().to_vec()).collect();
         let found = leg.transport(stop, &entries, &arrivals.ways)?;
         choices = vec![found.start];
@@ -51,7 +51,7 @@ pub(super) fn phases_with(mover: &Mover<'_>, grasp: &Grasp) -> Result<Done, Setb
         let (arrivals, found) = match first.take() {
             Some(known) => known,
             None => {
-                let arrivals = leg.arrivals(stop, set)?;
+                let arrivals = leg.arrivals(stop, set, Some(&q))?;
                 let found = leg.transport(stop, std::slice::from_ref(&q), &arrivals.ways)?;
                 (arrivals, found)
             }
@@ -119,6 +119,12 @@ impl LegWith<'_> {
         self.grasp.start.as_ref().ok_or_else(none)
     }
 
+    /// Where the arm is before the leg.
+    fn arm_start(&self) -> Vec<f64> {
+        let cell = self.mover.cell;
+        cell.arm().dofs.iter().map(|&dof| cell.q_start[dof]).collect()
+    }
+
     /// Moves the arm along a path as one phase.
     fn along(&mut self, kind: PhaseKind, space: &ArmSpace, path: &Path, carries: bool) -> Result<(), Setback> {
         let draft = self.draft(kind, space, path, carries)?;
@@ -161,7 +167,7 @@ impl LegWith<'_> {
     ) -> Result<usize, Setback> {
         let cell = self.mover.cell;
         let goals: Vec<Vec<f64>> = ways.iter().filter_map(|ways| ways.back.points.last().cloned()).collect();
-        let arm_start: Vec<f64> = cell.arm().dofs.iter().map(|&dof| cell.q_start[dof]).collect();
+        let arm_start = self.arm_start();
         // Routes are those of the object; a hand that only comes for it has its own.
         let found = if cell.leg().is_empty() {
             let situation = cell.approaching(&cell.X_WO_start);
@@ -191,7 +197,8 @@ impl LegWith<'_> {
         let lifting = self.carrying(PhaseKind::Lift, &[X_WO])?;
         let (X_WH, open, carrying) =
             (X_WO * self.grasp.X_OH, (PhaseKind::Reach, &approaching), (PhaseKind::Lift, &lifting));
-        let ways = picks(self.mover, self.start()?, &X_WH, open, carrying)?;
+        let arm_start = self.arm_start();
+        let ways = picks(self.mover, self.start()?, &X_WH, open, carrying, Some(&arm_start))?;
         Ok(Grips { approaching, lifting, ways })
     }
 
@@ -204,7 +211,7 @@ impl LegWith<'_> {
         Ok(ways[chosen].entry().to_vec())
     }
 
-    fn arrivals(&self, stop: &Stop, set: &Situated) -> Result<Arrivals, Setback> {
+    fn arrivals(&self, stop: &Stop, set: &Situated, near: Option<&[f64]>) -> Result<Arrivals, Setback> {
         let X_WO = set.X_WO;
         let leaving = self.empty_handed(PhaseKind::Retreat, &X_WO)?;
         let is_poured = matches!(stop.action, Action::Pour { .. });
@@ -212,10 +219,10 @@ impl LegWith<'_> {
         let holding = self.carrying(phase, supports)?;
         let ways = if is_poured {
             let X_WO_upright = upright_again(&X_WO, &self.mover.cell.X_WO_start);
-            pours(self.mover, set, &self.grasp.X_OH, &X_WO_upright, &holding)?
+            pours(self.mover, set, &self.grasp.X_OH, &X_WO_upright, &holding, near)?
         } else {
             let X_WH = X_WO * self.grasp.X_OH;
-            picks(self.mover, set, &X_WH, (PhaseKind::Retreat, &leaving), (PhaseKind::Place, &holding))?
+            picks(self.mover, set, &X_WH, (PhaseKind::Retreat, &leaving), (PhaseKind::Place, &holding), near)?
         };
         Ok(Arrivals { holding, leaving, ways })
     }

@@ -7,10 +7,12 @@ use super::motion::{Mover, reversed};
 use super::setback::{Blocked, Setback};
 use super::{PhaseKind, Planner};
 use crate::grasp::Situated;
-use crate::plan::{ArmSpace, Path};
+use crate::plan::{ArmSpace, Path, distance_rad};
 
 /// Configurations of an IK set whose ways are looked for when the hand shall follow a route.
 const TRIED_FOR_ROUTES: usize = 48;
+/// Configurations of an IK set whose ways are looked for because they are near.
+const TRIED_NEAREST: usize = 6;
 
 /// The ways from one configuration that holds the object.
 pub(super) struct Ways {
@@ -25,15 +27,16 @@ pub(super) struct Ways {
 /// The space and the phase in which a way is gone.
 pub(super) type In<'a> = (PhaseKind, &'a ArmSpace);
 
-/// Ways in and up from the configurations of an IK set that promise them.
+/// Ways in and up from configurations of an IK set; `near` is where the arm comes from.
 pub(super) fn picks(
     mover: &Mover<'_>,
     set: &Situated,
     X_WH: &Isometry3<f64>,
     open: In<'_>,
     carrying: In<'_>,
+    near: Option<&[f64]>,
 ) -> Result<Vec<Ways>, Setback> {
-    collect(mover, set, |q| {
+    collect(mover, set, near, |q| {
         let back = mover.back_off(open.1, q, X_WH).map_err(|blocked| blocked.in_phase(open.0, false))?;
         let rise = mover.rise(carrying.1, q, X_WH).map_err(|blocked| blocked.in_phase(carrying.0, true))?;
         Ok(Ways { held: q.to_vec(), back, with_object: rise })
@@ -49,7 +52,7 @@ pub(super) fn slides(
     [approaching, sliding, leaving]: [&ArmSpace; 3],
 ) -> Result<Vec<(Ways, Path)>, Setback> {
     let (X_WH_start, X_WH_end) = (X_WO_start * X_OH, X_WO_end * X_OH);
-    collect(mover, set, |q| {
+    collect(mover, set, None, |q| {
         let fail = |phase, carries| move |blocked: Blocked| blocked.in_phase(phase, carries);
         let back = mover.back_off(approaching, q, &X_WH_start).map_err(fail(PhaseKind::Reach, false))?;
         let along = mover.straight(sliding, q, &X_WH_start, &X_WH_end).map_err(fail(PhaseKind::Slide, true))?;
@@ -66,9 +69,10 @@ pub(super) fn pours(
     X_OH: &Isometry3<f64>,
     X_WO_upright: &Isometry3<f64>,
     carrying: &ArmSpace,
+    near: Option<&[f64]>,
 ) -> Result<Vec<Ways>, Setback> {
     let (X_WH, X_WH_upright) = (set.X_WO * X_OH, X_WO_upright * X_OH);
-    collect(mover, set, |q| {
+    collect(mover, set, near, |q| {
         let tilt_back = mover.straight(carrying, q, &X_WH, &X_WH_upright);
         let with_object = tilt_back.map_err(|blocked| blocked.in_phase(PhaseKind::Pour, true))?;
         Ok(Ways { held: q.to_vec(), back: Path::default(), with_object })
@@ -79,11 +83,12 @@ pub(super) fn pours(
 fn collect<T>(
     mover: &Mover<'_>,
     set: &Situated,
+    near: Option<&[f64]>,
     mut ways: impl FnMut(&[f64]) -> Result<T, Setback>,
 ) -> Result<Vec<T>, Setback> {
     let mut found = Vec::new();
     let mut first: Option<Setback> = None;
-    for index in tried(mover, set) {
+    for index in tried(mover, set, near) {
         match ways(&set.solutions[index]) {
             Ok(ways) => found.push(ways),
             Err(setback) => first = first.or(Some(setback)),
@@ -101,14 +106,27 @@ fn collect<T>(
     }
 }
 
-/// Configurations whose ways are looked for: those that promise them. The planner of routes wants more of them, because
-/// a hand that follows a route can hardly change the branch of its arm: after those, others evenly over the set.
-fn tried(mover: &Mover<'_>, set: &Situated) -> Vec<usize> {
+/// Configurations whose ways are looked for: those that promise them, and those nearest to where the arm comes from,
+/// because these make for short ways. A hand that follows a route can hardly change the branch of its arm: for the
+/// planner of routes, others evenly over the set.
+fn tried(mover: &Mover<'_>, set: &Situated, near: Option<&[f64]>) -> Vec<usize> {
     let mut tried = set.with_ways.clone();
-    if mover.settings.planner == Planner::Routes {
-        let stride = set.solutions.len().div_ceil(TRIED_FOR_ROUTES).max(1);
-        tried.extend((0..set.solutions.len()).step_by(stride).filter(|index| !set.with_ways.contains(index)));
+    let solutions = &set.solutions;
+    match near {
+        _ if mover.settings.planner == Planner::Routes => {
+            let stride = solutions.len().div_ceil(TRIED_FOR_ROUTES).max(1);
+            tried.extend((0..solutions.len()).step_by(stride));
+        }
+        Some(q) => {
+            let mut nearest: Vec<(f64, usize)> =
+                solutions.iter().enumerate().map(|(index, to)| (distance_rad(q, to), index)).collect();
+            nearest.sort_by(|l, r| l.0.total_cmp(&r.0).then(l.1.cmp(&r.1)));
+            tried.extend(nearest.into_iter().take(TRIED_NEAREST).map(|(_, index)| index));
+        }
+        None => {}
     }
+    let mut known = vec![false; solutions.len()];
+    tried.retain(|&index| !std::mem::replace(&mut known[index], true));
     tried
 }
 

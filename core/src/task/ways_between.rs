@@ -204,7 +204,8 @@ fn not_found(outcome: PlanOutcome, space: &ArmSpace, start: &[f64], goals: &[Vec
         PlanOutcome::NoPath(NoPath { nodes, iterations, nearest_gap_rad, nearest, .. }) => {
             let between = nearest.and_then(|[from, to]| {
                 let blocked = space.edge_hit(&mut Scratch::default(), &from, &to)?;
-                Some((blocked.cause, from))
+                let at = |(a, b): (&f64, &f64)| a + (b - a) * blocked.fraction;
+                Some((blocked.cause, from.iter().zip(&to).map(at).collect::<Vec<f64>>()))
             });
             let reason = format!(
                 "no path among {nodes} nodes after {iterations} draws; the trees stayed {nearest_gap_rad:.2} rad apart"

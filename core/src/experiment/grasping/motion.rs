@@ -137,7 +137,6 @@ pub fn run_motion(settings: &GraspExperimentSettings, watch: Watch<'_>) -> Resul
     if settings.is_serial { parallel::on_one_thread(work) } else { work() }
 }
 
-#[expect(clippy::too_many_arguments, reason = "a draw and where it belongs")]
 fn judge(
     settings: &GraspExperimentSettings,
     objects: &[KnownObject],
