@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use endcomfort_core::grasp::ExportFormat;
+use endcomfort_core::job::Output;
 use endcomfort_core::robot::Robot;
 use endcomfort_core::task::{PhaseKind, TARGET, Try};
 use nalgebra::{Isometry3, Point3};
 
 use crate::assets;
 use crate::compose::{Composer, Content, LabContent, MotionContent, Palette, quantity_scale};
-use crate::export::export_grasps;
+use crate::export::{MotionFormat, export_grasps, export_motion};
 use crate::render::{Bounds, Scale, Theme};
 use crate::viewer::{
     ComposeInput, Demo, Document, Label, Layer, Outputs, Picture, Posture, RobotChoice, ScaleBar, Situation, Studio,
@@ -51,6 +52,14 @@ impl Studio for BuiltInStudio {
             return Err("they are not ranked yet".to_owned());
         };
         export_grasps(&document.scene, document.cloud.as_deref(), found, outputs.candidates(), format)
+    }
+
+    fn export_motion(&self, document: &Document, outputs: &Outputs, format: MotionFormat) -> Result<Vec<u8>, String> {
+        let fit = outputs.fit.as_deref().map(|fit| Output::Fit(fit.clone()));
+        let grasps = outputs.grasps.as_deref().map(|grasps| Output::Grasps(grasps.clone()));
+        let plan = outputs.plan.as_deref().map(|plan| Output::Plan(Box::new(plan.clone())));
+        let found: Vec<Output> = [fit, grasps, plan].into_iter().flatten().collect();
+        export_motion(&document.scene, &found, format)
     }
 
     fn compose(&mut self, input: &ComposeInput<'_>) -> Picture {

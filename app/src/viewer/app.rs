@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use crate::export::MotionFormat;
 use egui::{ColorImage, Context, Ui};
 use endcomfort_core::grasp::ExportFormat;
 
@@ -175,6 +176,7 @@ impl App {
                 }),
                 Effect::Screenshot => self.ask_for_screenshot(ctx),
                 Effect::Export(format) => self.export(format),
+                Effect::ExportMotion(format) => self.export_motion(format),
             }
         }
     }
@@ -212,6 +214,19 @@ impl App {
                 self.state.say(false, sentence, Vec::new());
             }
             Err(reason) => self.state.say(true, format!("The grasps could not be exported: {reason}."), Vec::new()),
+        }
+    }
+
+    /// Hands the planned motion to the person as a file.
+    fn export_motion(&mut self, format: MotionFormat) {
+        match self.studio.export_motion(&self.state.document, &self.state.outputs, format) {
+            Ok(bytes) => {
+                let name = format!("endcomfort-{}-plan.{}", self.state.scene().name, format.extension());
+                let sentence = self.host.save(&name, &bytes);
+                self.host.announce(&sentence);
+                self.state.say(false, sentence, Vec::new());
+            }
+            Err(reason) => self.state.say(true, format!("The plan could not be exported: {reason}."), Vec::new()),
         }
     }
 

@@ -11,6 +11,7 @@ use endcomfort_core::task::Plan;
 use super::goal_drag::GoalDrag;
 use super::state::{IkChoice, Side, StageState, Standing, Step, ThemeChoice};
 use super::{Document, GraspCommand, LabCommand, Layer, Overlay, PlanCommand, Playback, ViewerState, playback};
+use crate::export::MotionFormat;
 
 /// Something a person does.
 #[derive(Clone, Debug, PartialEq)]
@@ -119,6 +120,8 @@ pub enum Effect {
     Screenshot,
     /// Save the ranked grasps.
     Export(ExportFormat),
+    /// Save the planned motion.
+    ExportMotion(MotionFormat),
     /// Change the theme.
     Theme(ThemeChoice),
     /// Say this to assistive technology.

@@ -136,6 +136,7 @@ mod tests {
             carries: false,
             manipulability: Vec::new(),
             clearance_m: Vec::new(),
+            closest: Default::default(),
         }
     }
 

@@ -12,6 +12,7 @@ use super::goal_drag::GoalDrag;
 use super::state::{StageState, Step};
 use super::{Curve, Effect, Kept, Measures, ViewerState, format, measures};
 use crate::assets;
+use crate::export::MotionFormat;
 
 /// What a person does with plans.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +43,8 @@ pub enum PlanCommand {
     Keep,
     /// Forgets the kept plan.
     ForgetKept,
+    /// Saves the planned motion.
+    Export(MotionFormat),
     /// Opens a page of the inspector at the step Play.
     PlayPage(PlayPage),
     /// Plots this of every joint.
@@ -248,6 +251,7 @@ impl ViewerState {
             PlanCommand::EndDrag => return self.end_goal_drag(),
             PlanCommand::Ghosts(count) => planning.ghosts = count.clamp(1, MAX_GHOSTS),
             PlanCommand::Keep => self.keep_plan(),
+            PlanCommand::Export(format) => return vec![Effect::ExportMotion(format)],
             PlanCommand::ForgetKept => planning.kept = None,
             PlanCommand::PlayPage(page) => planning.play_page = page,
             PlanCommand::Plot(curve) => planning.curve = curve,

@@ -6,6 +6,7 @@ use endcomfort_core::grasp::ExportFormat;
 use endcomfort_core::scene::Scene;
 
 use super::{ComposeInput, Document, Outputs, Picture};
+use crate::export::MotionFormat;
 
 /// The room behind the interface.
 pub trait Studio {
@@ -20,6 +21,12 @@ pub trait Studio {
     /// # Errors
     /// A sentence when there is nothing to write, or no robot to tell it of.
     fn export(&self, document: &Document, outputs: &Outputs, format: ExportFormat) -> Result<String, String>;
+
+    /// The planned motion as a file.
+    ///
+    /// # Errors
+    /// A sentence when there is nothing to export.
+    fn export_motion(&self, document: &Document, outputs: &Outputs, format: MotionFormat) -> Result<Vec<u8>, String>;
 
     /// Makes the picture of the present state; called only when something changed.
     fn compose(&mut self, input: &ComposeInput<'_>) -> Picture;

@@ -40,8 +40,9 @@ const NEIGHBOURS: usize = 16;
 ///
 /// From both ends the search goes on where the way promises to be short, and a motion is proven when the search wants to
 /// use it. When one end can go nowhere, the roadmap is searched again with twice the nodes, and with configurations
-/// grown from what that end has reached: so it leaves narrow places. In the answer `nodes` counts the configurations of the last round and `iterations` the motions that
-/// were looked at. A path is the first one found; [`super::shorten`] takes its detours out.
+/// grown from what that end has reached: so it leaves narrow places. In the answer `nodes` counts the configurations of
+/// the last round and `iterations` the motions that were looked at. A path is the first one found; [`super::shorten`]
+/// takes its detours out.
 ///
 /// * `roadmap`: [`Roadmap::new`] of the space's limits; its last nodes are used only in hard cases.
 pub fn plan_by_roadmap(
@@ -453,7 +454,7 @@ mod tests {
         let (start, goal) = (vec![0.0; 7], vec![vec![0.0, 1.9, 0.0, 1.0, 0.0, 0.0, 0.0]]);
         let map = roadmap(&space);
         let outcome = plan_by_roadmap(&space, &map, &start, &goal, &RoadmapSettings::default(), &Watch::idle());
-        assert!(matches!(outcome, PlanOutcome::NoPath { nearest_gap_rad, .. } if nearest_gap_rad > 0.1), "{outcome:?}");
+        assert!(matches!(&outcome, PlanOutcome::NoPath(no) if no.nearest_gap_rad > 0.1), "{outcome:?}");
         let watch = Watch::new(&|| true, &|_, _| (), &|| 0.0);
         let outcome = plan_by_roadmap(&space, &map, &start, &goal, &RoadmapSettings::default(), &watch);
         assert_eq!(outcome, PlanOutcome::Stopped);

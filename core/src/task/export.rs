@@ -136,3 +136,84 @@ fn yaml(plan: &Plan, robot: &Robot) -> String {
     }
     text
 }
+
+#[cfg(test)]
+mod tests {
+    use yaml_rust2::{Yaml, YamlLoader};
+
+    use super::*;
+    use crate::collision::testing::two_arm_robot;
+    use crate::plan::Trajectory;
+    use crate::task::{Certificate, PhaseKind};
+
+    /// Two phases of three joints, 0.5 s each: a parabola in the first joint, then the same backwards.
+    fn plan() -> Plan {
+        let phase = |kind, start_s: f64, from: f64| {
+            let times_s: Vec<f64> = (0..=50).map(|k| 0.01 * f64::from(k)).collect();
+            let at = |t: &f64| (t - from) * (t - from);
+            let positions: Vec<Vec<f64>> = times_s.iter().map(|t| vec![at(t), 0.25, -0.5]).collect();
+            let trajectory = Trajectory { times_s, positions };
+            let closest = ["hand".to_owned(), "table".to_owned()];
+            let (manipulability, clearance_m) = (vec![0.1; 51], vec![0.02; 51]);
+            Phase { kind, leg: 0, start_s, trajectory, carries: false, manipulability, clearance_m, closest }
+        };
+        Plan {
+            arm: "left".to_owned(),
+            legs: Vec::new(),
+            phases: vec![phase(PhaseKind::Reach, 0.0, 0.0), phase(PhaseKind::Retreat, 0.5, 0.5)],
+            q_start: vec![0.0; 18],
+            dofs: vec![0, 1, 2],
+            tcp_link: 0,
+            tries: Vec::new(),
+            routes: Vec::new(),
+            certificate: Certificate::default(),
+        }
+    }
+
+    fn numbers(list: &Yaml) -> Vec<f64> {
+        let number = |value: &Yaml| value.as_f64().or_else(|| value.as_i64().map(|v| v as f64)).unwrap();
+        list.as_vec().unwrap().iter().map(number).collect()
+    }
+
+    #[test]
+    fn a_ros_message_has_rising_times_and_the_derivatives_of_its_positions() {
+        let (plan, robot) = (plan(), two_arm_robot());
+        let read = YamlLoader::load_from_str(&trajectory_text(&plan, &robot, TrajectoryFormat::Yaml)).unwrap();
+        let (names, points) = (&read[0]["joint_names"], read[0]["points"].as_vec().unwrap());
+        assert_eq!(names.as_vec().unwrap().len(), 3);
+        // One sample where the phases meet.
+        assert_eq!(points.len(), 51 + 50);
+        let time = |k: usize| {
+            let at = &points[k]["time_from_start"];
+            at["sec"].as_i64().unwrap() as f64 + 1e-9 * at["nanosec"].as_i64().unwrap() as f64
+        };
+        for k in 1..points.len() {
+            assert!((time(k) - time(k - 1) - 0.01).abs() < 1e-9, "at {k}");
+        }
+        // Of t², 0.2 s after the start: 2 t and 2.
+        assert!((numbers(&points[20]["velocities"])[0] - 0.4).abs() < 1e-6);
+        assert!((numbers(&points[20]["accelerations"])[0] - 2.0).abs() < 1e-4);
+        assert_eq!(numbers(&points[50]["velocities"]), [0.0; 3], "phases begin at rest");
+    }
+
+    #[test]
+    fn the_table_has_one_line_per_sample_and_the_names_of_the_joints() {
+        let (plan, robot) = (plan(), two_arm_robot());
+        let text = trajectory_text(&plan, &robot, TrajectoryFormat::Csv);
+        let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+        assert_eq!(lines.len(), 1 + 101);
+        assert!(lines.iter().all(|line| line.len() == 6 + 3 * 3), "every line has all cells");
+        let name = &robot.joints[robot.dof_joints[0]].name;
+        assert_eq!(lines[0][6], format!("q_{name}_rad"));
+        assert_eq!((lines[1][1], lines[101][1], lines[101][0]), ("reach", "retreat", "1.0000"));
+    }
+
+    #[test]
+    fn json_is_one_array_of_phases() {
+        let mut plan = plan();
+        plan.phases.clear();
+        let empty: serde_json::Value =
+            serde_json::from_str(&trajectory_text(&plan, &two_arm_robot(), TrajectoryFormat::Json)).unwrap();
+        assert_eq!(empty, serde_json::json!([]));
+    }
+}

@@ -97,11 +97,12 @@ impl Mover<'_> {
         follow_poses(space, q, &poses, &near_ik, &CartesianSettings::default()).map_err(|stop| stopped(&stop, q))
     }
 
-    /// The phase that moves the arm along a path with the fingers at rest.
+    /// The phase that moves the arm along a path with the fingers at rest; timed in a space that may keep a clearance,
+    /// with the distances of the plain one.
     pub(super) fn along(
         &self,
         kind: PhaseKind,
-        space: &ArmSpace,
+        [space, plain]: [&ArmSpace; 2],
         path: &Path,
         fingers: &[f64],
         carries: bool,
@@ -119,7 +120,7 @@ impl Mover<'_> {
         let mut nearest = Clearance { distance_m: f64::INFINITY, a: String::new(), b: String::new() };
         let mut clearance_m = Vec::with_capacity(trajectory.positions.len());
         for q in &trajectory.positions {
-            let clearance = space.checker.distance(&mut scratch, q);
+            let clearance = plain.checker.distance(&mut scratch, q);
             clearance_m.push(clearance.distance_m);
             if clearance.distance_m < nearest.distance_m {
                 nearest = clearance;

@@ -56,7 +56,8 @@ pub(super) fn phases_with(mover: &Mover<'_>, grasp: &Grasp) -> Result<Done, Setb
                 (arrivals, found)
             }
         };
-        leg.along(PhaseKind::Transport, &found.space, &found.path, true)?;
+        let transport = leg.draft(PhaseKind::Transport, [&found.space, &found.plain], &found.path, true)?;
+        leg.drafts.push(transport);
         let ways = &arrivals.ways[found.goal];
         match stop.action {
             Action::Pour { hold_s } => {
@@ -127,14 +128,14 @@ impl LegWith<'_> {
 
     /// Moves the arm along a path as one phase.
     fn along(&mut self, kind: PhaseKind, space: &ArmSpace, path: &Path, carries: bool) -> Result<(), Setback> {
-        let draft = self.draft(kind, space, path, carries)?;
+        let draft = self.draft(kind, [space, space], path, carries)?;
         self.drafts.push(draft);
         Ok(())
     }
 
-    fn draft(&self, kind: PhaseKind, space: &ArmSpace, path: &Path, carries: bool) -> Result<Draft, Setback> {
+    fn draft(&self, kind: PhaseKind, spaces: [&ArmSpace; 2], path: &Path, carries: bool) -> Result<Draft, Setback> {
         let fingers = if carries { &self.grasp.closed } else { &self.mover.cell.hand.open };
-        self.mover.along(kind, space, path, fingers, carries).map_err(|blocked| blocked.in_phase(kind, carries))
+        self.mover.along(kind, spaces, path, fingers, carries).map_err(|blocked| blocked.in_phase(kind, carries))
     }
 
     /// A way to one of the goals by the planner of the settings; routes of the hand are kept, taken or not.
@@ -148,7 +149,8 @@ impl LegWith<'_> {
     ) -> Result<Found, Setback> {
         let carries = kind == PhaseKind::Transport;
         let found = if self.mover.settings.planner == Planner::Routes {
-            let duration_s = |path: &Path| Some(self.draft(kind, space, path, carries).ok()?.trajectory.duration_s());
+            let duration_s =
+                |path: &Path| Some(self.draft(kind, [space, space], path, carries).ok()?.trajectory.duration_s());
             let (routes, found) = self.mover.by_routes(space, among, from, goals, &duration_s);
             self.routes = routes;
             found
@@ -229,8 +231,8 @@ impl LegWith<'_> {
 
     /// Tilt it, wait, turn it back.
     fn tilt(&mut self, holding: &ArmSpace, ways: &Ways, hold_s: f64) -> Result<(), Setback> {
-        let tilt = self.draft(PhaseKind::Pour, holding, &ways.inwards(), true)?;
-        let tilt_back = self.draft(PhaseKind::Pour, holding, &ways.with_object, true)?;
+        let tilt = self.draft(PhaseKind::Pour, [holding, holding], &ways.inwards(), true)?;
+        let tilt_back = self.draft(PhaseKind::Pour, [holding, holding], &ways.with_object, true)?;
         self.drafts.push(tilt.then(hold_s, &tilt_back));
         Ok(())
     }

@@ -38,6 +38,8 @@ pub(super) struct Found {
     pub(super) goal: usize,
     /// The space in which it was found: with the clearance that it keeps.
     pub(super) space: ArmSpace,
+    /// The same space without a clearance: its distances are those of the bodies as they are.
+    pub(super) plain: ArmSpace,
 }
 
 /// The roadmap of an arm, made when it is first asked for.
@@ -60,7 +62,7 @@ impl Mover<'_> {
         let ClearPath { found, space: clear, .. } = clear.map_err(|outcome| not_found(outcome, space, start, goals))?;
         // A straight way is not made shorter by another search.
         let searches = if found.nodes == 0 { 1 } else { SEARCHES };
-        let mut best = Found { path: found.path, start: 0, goal: found.goal, space: clear };
+        let mut best = Found { path: found.path, start: 0, goal: found.goal, space: clear, plain: space.clone() };
         for attempt in 1..searches {
             let seed = self.seed.wrapping_add(attempt);
             let outcome = plan_path(&best.space, start, goals, &BirrtSettings::default(), seed, &self.watch);
@@ -78,11 +80,11 @@ impl Mover<'_> {
         let clear = space.keeping_clear(self.settings.clearance_m, &[start]);
         let usual = RoadmapSettings::default();
         // Where no way keeps clear, one that touches nothing will do.
-        for (space, settings) in [(&clear, RoadmapSettings { rounds: 4, ..usual }), (space, usual)] {
-            if let PlanOutcome::Found(found) = plan_by_roadmap(space, roadmap, start, goals, &settings, &self.watch) {
+        for (clear, settings) in [(&clear, RoadmapSettings { rounds: 4, ..usual }), (space, usual)] {
+            if let PlanOutcome::Found(found) = plan_by_roadmap(clear, roadmap, start, goals, &settings, &self.watch) {
                 // Places that are drawn, but the same ones whatever the scene's seed is.
-                let path = shorten(space, &found.path, &ShortcutSettings::default(), 0, &self.watch);
-                return Ok(Found { path, start: 0, goal: found.goal, space: space.clone() });
+                let path = shorten(clear, &found.path, &ShortcutSettings::default(), 0, &self.watch);
+                return Ok(Found { path, start: 0, goal: found.goal, space: clear.clone(), plain: space.clone() });
             }
         }
         let outcome = plan_by_roadmap(space, roadmap, start, goals, &usual, &self.watch);
@@ -137,7 +139,7 @@ impl Mover<'_> {
                     if self.settings.route.map_or(best.is_none(), |wanted| wanted == number) {
                         route.chosen = true;
                         let (start, goal) = (start_of[start], goal_of[goal.unwrap_or(0)]);
-                        best = Some(Found { path, start, goal, space: space.clone() });
+                        best = Some(Found { path, start, goal, space: space.clone(), plain: space.clone() });
                     }
                 }
                 Err(stop) => {

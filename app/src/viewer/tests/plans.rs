@@ -7,6 +7,7 @@ use endcomfort_core::task::Planner;
 
 use super::bench::{Bench, picture, window};
 use super::{Page, invented, page};
+use crate::export::MotionFormat;
 use crate::render::Frame;
 use crate::studio::BuiltInStudio;
 use crate::viewer::state::Step;
@@ -316,6 +317,17 @@ fn a_kept_plan_stands_beside_the_present_one_until_it_is_cleared() {
     harness.get_by_label("Clear A").click();
     harness.run_steps(2);
     assert!(harness.state().state.planning.kept.is_none());
+}
+
+#[test]
+fn the_plan_is_saved_in_the_format_that_is_picked() {
+    let mut harness = plan_page(PlanPage::Plan);
+    harness.get_by_label("Export the plan").click();
+    harness.run_steps(2);
+    harness.get_by_label("glTF animation (GLB)").click();
+    harness.run_steps(2);
+    let effects = &harness.state().effects;
+    assert!(effects.iter().any(|effect| matches!(effect, Effect::ExportMotion(MotionFormat::Glb))), "{effects:?}");
 }
 
 #[test]

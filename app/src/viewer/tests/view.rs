@@ -10,6 +10,7 @@ use image::RgbaImage;
 use nalgebra::{Isometry3, Vector3};
 
 use super::{Page, invented};
+use crate::export::MotionFormat;
 use crate::render::{Frame, MeshDraw, Surface, shapes};
 use crate::viewer::layout::Layout;
 use crate::viewer::view3d::View3d;
@@ -37,6 +38,15 @@ impl Studio for Brick {
 
     fn export(&self, _document: &Document, _outputs: &Outputs, _format: ExportFormat) -> Result<String, String> {
         Err("a brick has no grasps".to_owned())
+    }
+
+    fn export_motion(
+        &self,
+        _document: &Document,
+        _outputs: &Outputs,
+        _format: MotionFormat,
+    ) -> Result<Vec<u8>, String> {
+        Err("a brick has no plan".to_owned())
     }
 
     fn compose(&mut self, _input: &ComposeInput<'_>) -> Picture {

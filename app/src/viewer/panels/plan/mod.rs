@@ -7,16 +7,18 @@ mod summary;
 mod task;
 mod tried;
 
-use egui::{Color32, Ui};
+use egui::{Align, Color32, Layout, Ui, vec2};
 use endcomfort_core::job::{Refusal, Stage};
 use endcomfort_core::task::PhaseKind;
 
 use super::Out;
 use super::inspector::{heading, nothing_yet};
-use crate::viewer::fields::tabs;
+use crate::export::MotionFormat;
+use crate::viewer::fields::{menu, tabs};
+use crate::viewer::icons::Icon;
 use crate::viewer::state::StageState;
 use crate::viewer::theme::{BODY, SECONDARY, Tokens};
-use crate::viewer::widgets::{paragraph, primary_button, secondary_button, title};
+use crate::viewer::widgets::{icon_button, paragraph, primary_button, secondary_button, title};
 use crate::viewer::{Command, PlanCommand, PlanPage, ViewerState, format};
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
@@ -43,7 +45,18 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         let _text = paragraph(ui, "It is planned anew while you drag.", SECONDARY, Tokens::of(ui).secondary);
         ui.add_space(6.0);
     } else {
-        heading(ui, state, Stage::Plan, &text, &sentence);
+        ui.horizontal_top(|ui| {
+            let width = ui.available_width() - 36.0;
+            ui.allocate_ui_with_layout(vec2(width, 0.0), Layout::top_down(Align::Min), |ui| {
+                ui.set_width(width);
+                heading(ui, state, Stage::Plan, &text, &sentence);
+            });
+            let can_save = !state.is_stale(Stage::Plan);
+            let button = icon_button(ui, Icon::Save, "Export the plan", can_save, false);
+            if can_save && let Some(index) = menu(&button, &MotionFormat::ALL.map(MotionFormat::title), None) {
+                out.push(Command::Planning(PlanCommand::Export(MotionFormat::ALL[index])));
+            }
+        });
     }
     match pages(ui, state, out) {
         PlanPage::Plan => summary::draw(ui, state, plan, out),
