@@ -7,8 +7,8 @@ use std::sync::Arc;
 use endcomfort::assets;
 use endcomfort_core::job::{Output, RankOutput, Refusal, Request, SetShape, Stage, Update};
 use endcomfort_core::pipeline::Pipeline;
-use endcomfort_core::scene::{ArmChoice, Freedom, Obstacle, PlacedObject, Scene, Task};
-use endcomfort_core::task::{Phase, PhaseKind, Plan};
+use endcomfort_core::scene::{ArmChoice, Freedom, PlacedObject, Scene, Task};
+use endcomfort_core::task::{LegTask, Phase, PhaseKind, Plan, Planner, assemble, plan_leg};
 use endcomfort_core::watch::Watch;
 use nalgebra::{Isometry3, Vector3};
 
@@ -240,7 +240,7 @@ fn a_slid_object_stays_on_the_table_and_a_poured_one_is_tilted_only_there() {
 }
 
 #[test]
-fn a_soft_goal_is_never_worse_than_its_middle_and_gives_more_grasps() {
+fn a_soft_goal_is_never_worse_than_its_middle_and_different_grasps_choose_different_poses() {
     let soft = assets::demo("box-on").unwrap();
     let mut hard = soft.clone();
     hard.task.steps[0].freedom = Freedom::default();
@@ -250,7 +250,7 @@ fn a_soft_goal_is_never_worse_than_its_middle_and_gives_more_grasps() {
         outputs.into_iter().find_map(|o| if let Output::Rank(rank) = o { Some(rank) } else { None }).unwrap()
     };
     let (soft, hard) = (ranked(soft), ranked(hard));
-    assert!(soft.accepted > hard.accepted, "{} against {}", soft.accepted, hard.accepted);
+    assert!(soft.accepted >= hard.accepted, "{} against {}", soft.accepted, hard.accepted);
     let best = |ranked: &RankOutput| ranked.grasps[0].goal.as_ref().unwrap().m_g;
     assert!(best(&soft) >= best(&hard), "{} against {}", best(&soft), best(&hard));
     let chosen: Vec<_> = soft.grasps[..soft.accepted].iter().map(|grasp| grasp.goal.as_ref().unwrap()).collect();
@@ -259,21 +259,37 @@ fn a_soft_goal_is_never_worse_than_its_middle_and_gives_more_grasps() {
 
 #[test]
 fn what_was_tried_in_vain_is_kept_with_its_phase_and_its_place() {
-    // A wall between start and goal that nothing gets over or round.
-    let mut scene = assets::demo("mustard").unwrap();
-    scene.obstacles.push(Obstacle {
-        name: "wall".to_owned(),
-        size_m: Vector3::new(1.2, 0.01, 1.5),
-        X_WB: Isometry3::translation(0.75, -0.25, 1.1),
-    });
-    scene.motion.max_grasps = 2;
+    // The fourth route of the hand squeezes past the box, where the arm cannot follow.
+    let mut scene = assets::demo("jar").unwrap();
+    (scene.motion.planner, scene.motion.route) = (Planner::Routes, Some(3));
+    (scene.motion.max_grasps, scene.motion.regrasp) = (2, false);
     let (_, refused) = run(&mut Pipeline::new(assets::library()), &request(scene));
-    let refusal = refused.expect("there is no way");
-    assert!(!refusal.tries.is_empty(), "{refusal:?}");
-    for tried in &refusal.tries {
-        assert!(tried.grasp.is_some() && tried.phase.is_some() && !tried.reason.is_empty(), "{tried:?}");
+    let refusal = refused.expect("no grasp follows that route");
+    assert_eq!((refusal.tries.len(), refusal.details.len()), (2, 2), "{refusal:?}");
+    for (tried, line) in refusal.tries.iter().zip(&refusal.details) {
+        assert!(tried.grasp.is_some() && tried.phase == Some(Transport) && tried.carries, "{tried:?}");
+        assert!(tried.reason.starts_with("route 4 of") && *line == tried.to_string(), "{tried:?}");
     }
-    assert!(refusal.tries.iter().any(|tried| tried.culprits.contains(&"wall".to_owned()) && !tried.q.is_empty()));
+    assert!(refusal.tries.iter().any(|tried| tried.culprits.contains(&"box".to_owned())), "{refusal:?}");
+}
+
+#[test]
+fn planners_without_random_numbers_do_not_ask_for_the_seed() {
+    for planner in [Planner::Roadmap, Planner::Routes] {
+        let plan = |motion_seed: u64| {
+            let mut scene = assets::demo("mustard").unwrap();
+            scene.motion.planner = planner;
+            let mut pipeline = Pipeline::new(assets::library());
+            let ranked = Request { last: Stage::Rank, ..request(scene.clone()) };
+            let (outputs, _) = run(&mut pipeline, &ranked);
+            let rank = outputs.into_iter().find_map(|o| if let Output::Rank(rank) = o { Some(rank) } else { None });
+            let (cell, rank) = (pipeline.workcell().unwrap(), rank.unwrap());
+            let task = LegTask { cell, ranked: &rank.grasps, chosen: None, seed: motion_seed };
+            let leg = plan_leg(&task, &scene.motion, Watch::idle()).unwrap();
+            serde_json::to_string(&assemble(cell, vec![leg])).unwrap()
+        };
+        assert_eq!(plan(1), plan(2), "{planner:?}");
+    }
 }
 
 /// The object alone on the table, in reach of the left arm, to be moved 12 cm outwards.
