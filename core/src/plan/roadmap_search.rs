@@ -453,7 +453,7 @@ mod tests {
         let (start, goal) = (vec![0.0; 7], vec![vec![0.0, 1.9, 0.0, 1.0, 0.0, 0.0, 0.0]]);
         let map = roadmap(&space);
         let outcome = plan_by_roadmap(&space, &map, &start, &goal, &RoadmapSettings::default(), &Watch::idle());
-        assert!(matches!(outcome, PlanOutcome::NoPath { nearest_gap_rad, .. } if nearest_gap_rad > 0.1), "{outcome:?}");
+        assert!(matches!(&outcome, PlanOutcome::NoPath(found) if found.nearest_gap_rad > 0.1), "{outcome:?}");
         let watch = Watch::new(&|| true, &|_, _| (), &|| 0.0);
         let outcome = plan_by_roadmap(&space, &map, &start, &goal, &RoadmapSettings::default(), &watch);
         assert_eq!(outcome, PlanOutcome::Stopped);
