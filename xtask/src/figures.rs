@@ -13,16 +13,16 @@ struct Figure {
 }
 
 const FIGURES: [Figure; 10] = [
-    Figure { path: "objects/scenes/mustard.png", arguments: &["mustard", "--time", "9", "--size", "360x240"] },
-    Figure { path: "objects/scenes/jar.png", arguments: &["jar", "--time", "11", "--size", "360x240"] },
+    Figure { path: "objects/scenes/mustard.png", arguments: &["mustard", "--time", "13.5", "--size", "360x240"] },
+    Figure { path: "objects/scenes/jar.png", arguments: &["jar", "--time", "9.6", "--size", "360x240"] },
     Figure { path: "objects/scenes/glass.png", arguments: &["glass", "--time", "14", "--size", "360x240"] },
-    Figure { path: "objects/scenes/box-in.png", arguments: &["box-in", "--time", "20", "--size", "360x240"] },
-    Figure { path: "objects/scenes/box-on.png", arguments: &["box-on", "--time", "22", "--size", "360x240"] },
-    Figure { path: "objects/scenes/across.png", arguments: &["across", "--time", "12", "--size", "360x240"] },
-    Figure { path: "objects/scenes/pour.png", arguments: &["pour", "--time", "30", "--size", "360x240"] },
-    Figure { path: "objects/scenes/regrasp.png", arguments: &["regrasp", "--time", "46", "--size", "360x240"] },
+    Figure { path: "objects/scenes/box-in.png", arguments: &["box-in", "--time", "9", "--size", "360x240"] },
+    Figure { path: "objects/scenes/box-on.png", arguments: &["box-on", "--time", "12", "--size", "360x240"] },
+    Figure { path: "objects/scenes/across.png", arguments: &["across", "--time", "12.5", "--size", "360x240"] },
+    Figure { path: "objects/scenes/pour.png", arguments: &["pour", "--time", "33", "--size", "360x240"] },
+    Figure { path: "objects/scenes/regrasp.png", arguments: &["regrasp", "--time", "36", "--size", "360x240"] },
     Figure { path: "docs/grasps.png", arguments: &["glass", "--size", "960x600", "--theme", "light"] },
-    Figure { path: "docs/plan.png", arguments: &["jar", "--time", "11", "--size", "960x600"] },
+    Figure { path: "docs/plan.png", arguments: &["pour", "--time", "33", "--size", "960x600"] },
 ];
 
 /// Draws every picture.

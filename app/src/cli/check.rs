@@ -3,12 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use endcomfort_core::cloud::PointCloud;
+use endcomfort_core::collision::{AllowedCollisions, CollisionError};
 use endcomfort_core::object::HouseholdObject;
-use endcomfort_core::robot::load_robot;
+use endcomfort_core::robot::{Robot, load_robot, read_urdf};
 use endcomfort_core::scene::Scene;
 use serde_json::{Value, json};
 
 use super::{Common, Failure, input};
+
+/// The field that only `--json` gives: too long to read.
+const ALLOWED_PAIRS: &str = "allowed_pairs";
 
 #[derive(clap::Args)]
 pub(super) struct Args {
@@ -42,7 +46,7 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
 
 fn print_report(report: &Value) {
     let Some(fields) = report.as_object() else { return };
-    for (name, value) in fields {
+    for (name, value) in fields.iter().filter(|(name, _)| *name != ALLOWED_PAIRS) {
         match value {
             Value::String(text) => println!("{name}: {text}"),
             Value::Array(lines) if lines.iter().all(Value::is_string) => {
@@ -111,12 +115,39 @@ fn robot(path: &Path, file: &str) -> Result<Value, Failure> {
         // A package is rooted at some folder above the URDF: the nearest one that holds the file is taken.
         folder.ancestors().flat_map(|root| [root.join(relative), root.join(inside)]).find_map(|p| std::fs::read(p).ok())
     };
-    let loaded = load_robot(&text(path)?, &text(&path.with_extension("srdf"))?, &resolve)
-        .map_err(|error| Failure::new(format!("{file}: {error}")))?;
+    let srdf = path.with_extension("srdf");
+    let wrong = |error| Failure::new(format!("{file}: {error}"));
+    let urdf = text(path)?;
+    let loaded = if srdf.exists() {
+        load_robot(&urdf, &text(&srdf)?, &resolve).map_err(wrong)?
+    } else {
+        read_urdf(&urdf, &resolve).map_err(wrong)?
+    };
     let robot = loaded.value;
+    let (counts, pairs) = allowed(&robot).map_err(|error| Failure::new(format!("{file}: {error}")))?;
     Ok(json!({
         "file": file, "ok": true, "kind": "robot", "name": robot.name, "links": robot.links.len(),
         "degrees_of_freedom": robot.dof_count(), "arms": robot.arms.iter().map(|a| &a.name).collect::<Vec<_>>(),
         "postures": robot.postures.iter().map(|(name, _)| name).collect::<Vec<_>>(), "notes": loaded.notes,
+        "allowed": counts, ALLOWED_PAIRS: pairs,
     }))
+}
+
+/// How many pairs of links may touch or cannot, by reason, and all of them; `srdf` are those that only the SRDF names.
+fn allowed(robot: &Robot) -> Result<(Value, Vec<Value>), CollisionError> {
+    let computed = AllowedCollisions::compute(robot, AllowedCollisions::SEED)?;
+    let mut counts = serde_json::Map::new();
+    let mut pairs = Vec::new();
+    let mut add = |a: usize, b: usize, reason: &str| {
+        let count = counts.get(reason).and_then(Value::as_u64).unwrap_or(0);
+        counts.insert(reason.to_owned(), json!(count + 1));
+        pairs.push(json!({ "a": robot.links[a].name, "b": robot.links[b].name, "reason": reason }));
+    };
+    for pair in &computed.pairs {
+        add(pair.a, pair.b, pair.reason.name());
+    }
+    for &(a, b) in robot.allowed_collisions.iter().filter(|(a, b)| computed.reason(*a, *b).is_none()) {
+        add(a, b, "srdf");
+    }
+    Ok((Value::Object(counts), pairs))
 }

@@ -131,7 +131,7 @@ pub(crate) fn build(
 }
 
 /// The moving frames, and for each link its frame and its pose in it.
-fn moving_frames(
+pub(super) fn moving_frames(
     model: &CollisionModel,
     dofs: &[usize],
     q_rest: &[f64],

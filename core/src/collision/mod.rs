@@ -15,6 +15,7 @@
 //! [`Exhaustive`] answers the same question with parry's own shapes and no shortcut at all; it is the independent judge
 //! of everything above.
 
+mod allowed;
 mod ball;
 mod batch;
 mod build;
@@ -42,6 +43,7 @@ mod triangles;
 mod voxels;
 mod world;
 
+pub use allowed::{AllowedCollisions, AllowedPair, AllowedReason};
 pub use ball::BallChecker;
 pub(crate) use batch::Sifted;
 pub use checker::{Checker, Clearance, Hit, Scratch};

@@ -52,7 +52,7 @@ pub struct CollisionModel {
 impl CollisionModel {
     /// Makes the bodies of all links.
     ///
-    /// Looked at is every pair of links, except those that the SRDF allows and those that fixed joints weld
+    /// Looked at is every pair of links, except those of [`Robot::allowed_collisions`] and those that fixed joints weld
     /// together: their distance never changes.
     ///
     /// # Errors

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::hand_description::ReadHand;
 use super::{Hand, HandDescription, HandError, Joint, Resolve, Robot};
+use crate::collision::AllowedCollisions;
 use crate::loaded::Loaded;
 
 impl Robot {
@@ -11,8 +12,8 @@ impl Robot {
     ///
     /// Links and joints of the new hand are named with the arm's name before their own: `left_palm`. They stand where
     /// the old palm stood in the order of the links, and their degrees of freedom likewise in `q`. What hangs on the
-    /// flange beside the old hand (a force sensor) stays. All postures get the new hand open. Links of the new hand may
-    /// touch each other, whatever is welded to the flange, and the last link that the arm moves before it.
+    /// flange beside the old hand (a force sensor) stays. All postures get the new hand open. Which links
+    /// may touch is computed anew ([`AllowedCollisions`]).
     ///
     /// * `arm`: name of the arm.
     /// * `resolve`: gives the meshes that the hand's URDF names; one that is missing becomes a note.
@@ -26,7 +27,7 @@ impl Robot {
         hand: &HandDescription,
         resolve: &Resolve<'_>,
     ) -> Result<Loaded<Self>, HandError> {
-        let Loaded { value: new, notes } = hand.read(resolve)?;
+        let Loaded { value: new, mut notes } = hand.read(resolve)?;
         if let Some(finger) = new.fingers.iter().position(|finger| !finger.iter().any(|&dof| moves_a_body(&new, dof))) {
             return Err(HandError::NoBody { place: format!("fingers[{finger}]") });
         }
@@ -36,7 +37,7 @@ impl Robot {
             .position(|known| known.name == arm)
             .ok_or_else(|| HandError::NoArm { robot: self.name.clone(), arm: arm.to_owned() })?;
         let X_EM = hand.mount.isometry();
-        let robot = Exchange::new(self, arm_index, &new).robot(&X_EM)?;
+        let robot = Exchange::new(self, arm_index, &new).robot(&X_EM, &mut notes)?;
         Ok(Loaded { value: robot, notes })
     }
 }
@@ -102,7 +103,7 @@ impl<'a> Exchange<'a> {
         format!("{}_{own}", self.old.arms[self.arm_index].name)
     }
 
-    fn robot(&self, X_EM: &nalgebra::Isometry3<f64>) -> Result<Robot, HandError> {
+    fn robot(&self, X_EM: &nalgebra::Isometry3<f64>, notes: &mut Vec<String>) -> Result<Robot, HandError> {
         let (old, new) = (self.old, &self.new.tree);
         let links = self.order.iter().map(|source| match *source {
             Source::Old(link) => old.links[link].clone(),
@@ -150,7 +151,7 @@ impl<'a> Exchange<'a> {
         self.refuse_taken_names(&robot)?;
         self.fill_arms(&mut robot, &of_old, &of_new);
         self.fill_postures(&mut robot, &of_old);
-        robot.allowed_collisions = self.allowed_collisions(&robot);
+        robot.allowed_collisions = self.allowed_collisions(&robot, notes);
         Ok(robot)
     }
 
@@ -232,21 +233,13 @@ impl<'a> Exchange<'a> {
         robot.postures = self.old.postures.iter().map(posture).collect();
     }
 
-    fn allowed_collisions(&self, robot: &Robot) -> Vec<(usize, usize)> {
+    /// What the robot that comes out shows, and what the old one's SRDF allows of links that stay.
+    fn allowed_collisions(&self, robot: &Robot, notes: &mut Vec<String>) -> Vec<(usize, usize)> {
         let kept = |&(a, b): &(usize, usize)| Some((self.at(Source::Old(a))?, self.at(Source::Old(b))?));
         let mut pairs: BTreeSet<(usize, usize)> = self.old.allowed_collisions.iter().filter_map(kept).collect();
-        let hand: Vec<usize> = (0..self.new.tree.links.len()).map(|link| self.added(link)).collect();
-        let last = robot.body_root(robot.arms[self.arm_index].flange_link);
-        let before = robot.moving_joint(last).map(|joint| robot.body_root(joint.parent));
-        let is_near = |&link: &usize| {
-            let root = robot.body_root(link);
-            root == last || Some(root) == before
-        };
-        let near: Vec<usize> = (0..robot.links.len()).filter(is_near).chain(hand.iter().copied()).collect();
-        for &link in &hand {
-            for &other in near.iter().filter(|other| **other != link) {
-                pairs.insert((link.min(other), link.max(other)));
-            }
+        match AllowedCollisions::compute(robot, AllowedCollisions::SEED) {
+            Ok(computed) => pairs.extend(computed.pairs.iter().map(|pair| (pair.a, pair.b))),
+            Err(error) => notes.push(format!("{error}: of the new hand no pair of links is known that may touch")),
         }
         pairs.into_iter().collect()
     }

@@ -24,7 +24,8 @@ pub struct Robot {
     pub arms: Vec<Arm>,
     /// Named postures: name and a full `q` (degrees of freedom that the SRDF does not mention are 0).
     pub postures: Vec<(String, Vec<f64>)>,
-    /// Pairs of link indices, smaller first and sorted, that may touch.
+    /// Pairs of link indices, smaller first and sorted, that need not be looked at: computed, and listed in the SRDF
+    /// ([`crate::collision::AllowedCollisions`]).
     pub allowed_collisions: Vec<(usize, usize)>,
 }
 

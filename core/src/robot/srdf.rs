@@ -11,6 +11,7 @@ use roxmltree::Node;
 
 use super::urdf::{Resolve, read_urdf, remember};
 use super::{Arm, Hand, JointKind, Robot, RobotError, xml};
+use crate::collision::AllowedCollisions;
 use crate::loaded::Loaded;
 
 /// Reads a robot from its URDF and SRDF.
@@ -23,7 +24,8 @@ pub fn load_robot(urdf: &str, srdf: &str, resolve: &Resolve<'_>) -> Result<Loade
     Ok(loaded)
 }
 
-/// Fills the robot's arms, hands, postures and allowed collisions.
+/// Fills the robot's arms, hands, postures and allowed collisions: those that [`AllowedCollisions`] computes, and those
+/// that the SRDF adds. Bodies that collisions cannot be computed for become a note.
 ///
 /// # Errors
 /// [`RobotError`] when a name is unknown, a group is no chain, or a hand has no hand frame.
@@ -37,7 +39,7 @@ pub fn apply_srdf(robot: &mut Robot, srdf: &str, notes: &mut Vec<String>) -> Res
     }
     robot.arms = arms;
     read_states(robot, &groups, root, notes)?;
-    robot.allowed_collisions = allowed_collisions(robot, root)?;
+    robot.allowed_collisions = allowed_collisions(robot, root, notes)?;
     Ok(())
 }
 
@@ -263,23 +265,16 @@ fn read_states(
     Ok(())
 }
 
-/// The pairs of `<disable_collisions>`, and every pair that a fixed joint or one moving joint connects.
-fn allowed_collisions(robot: &Robot, root: Node<'_, '_>) -> Result<Vec<(usize, usize)>, RobotError> {
+/// The pairs that the robot itself shows to need no look, and those of `<disable_collisions>`.
+fn allowed_collisions(
+    robot: &Robot,
+    root: Node<'_, '_>,
+    notes: &mut Vec<String>,
+) -> Result<Vec<(usize, usize)>, RobotError> {
     let mut pairs = BTreeSet::new();
-    for joint in &robot.joints {
-        pairs.insert((joint.parent, joint.child));
-    }
-    // Links welded together move as one body, so what is next to one of them is next to all of them.
-    let body: Vec<usize> = (0..robot.links.len()).map(|link| robot.body_root(link)).collect();
-    for a in 0..robot.links.len() {
-        for b in a + 1..robot.links.len() {
-            let next_to = |low: usize, high: usize| {
-                robot.moving_joint(body[high]).is_some_and(|joint| body[joint.parent] == body[low])
-            };
-            if body[a] == body[b] || next_to(a, b) || next_to(b, a) {
-                pairs.insert((a, b));
-            }
-        }
+    match AllowedCollisions::compute(robot, AllowedCollisions::SEED) {
+        Ok(computed) => pairs.extend(computed.pairs.iter().map(|pair| (pair.a, pair.b))),
+        Err(error) => notes.push(format!("{error}: no pair of links is known that may touch")),
     }
     for node in xml::children(root, "disable_collisions") {
         let a = link_named(robot, node, "link1", "disable_collisions")?;
