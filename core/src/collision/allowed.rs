@@ -6,8 +6,8 @@
 //! 1. No joint between them: [`AllowedReason::Welded`].
 //! 2. Both belong to one hand: [`AllowedReason::Hand`]; what a hand may do with its own fingers is asked for elsewhere.
 //! 3. They touch in nearly all of [`SAMPLES`] seeded configurations: their bodies overlap by modelling, and looking at
-//!    them would forbid the robot. [`AllowedReason::Adjacent`] where one joint joins them, else
-//!    [`AllowedReason::Always`].
+//!    them would forbid the robot. [`AllowedReason::Adjacent`] where one joint joins them (or several with nothing that
+//!    collides between), else [`AllowedReason::Always`].
 //! 4. They touch in none: then [`AllowedReason::Never`], if that can be proven. The box of the joints between them,
 //!    limit to limit, is bisected. At the middle of a box the bodies are a distance apart, and within the box they come
 //!    nearer by no more than their travel. Let the joints be numbered from link A to link B and M be a frame between
@@ -18,6 +18,12 @@
 //!    largest distance of a point of the body's core to axis `i` (the rounding of a capsule turns onto itself); a slide
 //!    goes `h_i`. The best `k` is taken. Where the distance is larger, the box is free; else the joint that adds most
 //!    to the travel is halved. One middle where the bodies touch, or too many boxes, and the pair is looked at.
+//!
+//! 5. They are the two sides of an elbow: two turning joints between them whose axes meet in the elbow, and a body there
+//!    that overlaps both in nearly all samples. They count as [`AllowedReason::Adjacent`] too: shapes that enclose the
+//!    two sides meet at the inside of a bent elbow, and how far it bends is for the joint's limits to say. This is the
+//!    one rule that passes over pairs that touch in some configurations only: on Alita and Crichton upper arm and
+//!    forearm meet within the last 0.1 rad of the bend.
 //!
 //! Whatever is left is looked at. A pair that is called never cannot change an answer; the other reasons say what is
 //! not asked.
@@ -43,6 +49,9 @@ const NEARLY_ALL: usize = 61;
 /// proof takes and the seldomer one is found. Measured on Alita and Crichton, where three joints take up to 500.
 const MOST_BOXES: usize = 4096;
 
+/// Axes that pass each other nearer than this meet, metres.
+const ELBOW_M: f64 = 1e-3;
+
 /// Distances that GJK gives may be too large by a fraction of this, metres.
 const SLACK_M: f64 = 1e-4;
 
@@ -51,7 +60,8 @@ const SLACK_M: f64 = 1e-4;
 pub enum AllowedReason {
     /// Fixed joints weld them together.
     Welded,
-    /// One moving joint joins them, or several with nothing that collides between, and their bodies overlap there.
+    /// One moving joint joins them, or several with nothing that collides between, and their bodies overlap there; or
+    /// they are the two sides of an elbow.
     Adjacent,
     /// Both belong to one hand.
     Hand,
@@ -187,11 +197,35 @@ impl Tree {
         }
         let touches = |X_WF: &&Vec<Rigid>| distance(a, &X_WF[a.frame], b, &X_WF[b.frame], 0.0) <= 0.0;
         match samples.iter().filter(touches).count() {
-            0 => self.is_proven_apart(a, b).then_some(AllowedReason::Never),
+            0 if self.is_proven_apart(a, b) => Some(AllowedReason::Never),
             NEARLY_ALL.. if self.are_joined(a, b) => Some(AllowedReason::Adjacent),
+            _ if self.is_elbow(samples, a, b) => Some(AllowedReason::Adjacent),
             NEARLY_ALL.. => Some(AllowedReason::Always),
             _ => None,
         }
+    }
+
+    /// Whether two bodies are the two sides of an elbow: one hangs on the other by two turning joints whose axes meet,
+    /// and a body between the joints overlaps both nearly always.
+    fn is_elbow(&self, samples: &[Vec<Rigid>], a: &Body, b: &Body) -> bool {
+        let (inner, outer) = (a.frame.min(b.frame), a.frame.max(b.frame));
+        let middle = self.frames[outer].parent;
+        let joints = [middle, outer].map(|frame| &self.frames[frame]);
+        if middle == 0 || joints[0].parent != inner || joints.iter().any(|joint| joint.kind != JointKind::Revolute) {
+            return false;
+        }
+        // In the middle frame the first axis passes through the origin.
+        let (first, second) = (joints[0].axis, joints[1].X_PJ.R * joints[1].axis);
+        let across = first.cross(&second);
+        let gap_m = joints[1].X_PJ.t.dot(&across).abs();
+        if across.norm() < 0.1 || gap_m > ELBOW_M * across.norm() {
+            return false;
+        }
+        let overlaps = |x: &Body, y: &Body| {
+            let touches = |X_WF: &&Vec<Rigid>| distance(x, &X_WF[x.frame], y, &X_WF[y.frame], 0.0) <= 0.0;
+            samples.iter().filter(touches).count() >= NEARLY_ALL
+        };
+        self.bodies.iter().any(|body| body.frame == middle && overlaps(body, a) && overlaps(body, b))
     }
 
     /// Whether nothing that collides stands between two bodies, one of which hangs on the other.
@@ -417,6 +451,26 @@ mod tests {
             "",
         );
         assert_eq!(reasons(&elbow), [("base", "arm", Adjacent), ("base", "tool", Never), ("arm", "tool", Welded)]);
+    }
+
+    #[test]
+    fn the_two_sides_of_an_elbow_may_bend_until_they_touch_and_axes_that_pass_each_other_make_none() {
+        // Both bars stop 0.1 m short of the ball's centre, which is where the axes meet.
+        let short =
+            "<collision><origin xyz='0 0 0.25'/><geometry><capsule radius='0.05' length='0.2'/></geometry></collision>";
+        let bent = |offset_m: f64| {
+            let urdf = format!(
+                "<robot name='r'><link name='base'>{short}</link><link name='ball'>{BALL}</link><link name='arm'>{short}</link>
+                 <joint name='bend' type='revolute'><parent link='base'/><child link='ball'/><origin xyz='0 0 0.45'/>
+                 <axis xyz='0 1 0'/><limit lower='-2.9' upper='2.9'/></joint>
+                 <joint name='roll' type='revolute'><parent link='ball'/><child link='arm'/>
+                 <origin xyz='{offset_m} 0 -0.05'/><axis xyz='0 0 1'/><limit lower='-3' upper='3'/></joint></robot>"
+            );
+            let robot = load_robot(&urdf, "<robot/>", &|_| None).unwrap().value;
+            AllowedCollisions::compute(&robot, 1).unwrap().reason(0, 2)
+        };
+        assert_eq!(bent(0.0), Some(Adjacent));
+        assert_eq!(bent(0.05), None);
     }
 
     #[test]
