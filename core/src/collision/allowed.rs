@@ -23,7 +23,7 @@
 //!    that overlaps both in nearly all samples. They count as [`AllowedReason::Adjacent`] too: shapes that enclose the
 //!    two sides meet at the inside of a bent elbow, and how far it bends is for the joint's limits to say. This is the
 //!    one rule that passes over pairs that touch in some configurations only: on Alita and Crichton upper arm and
-//!    forearm meet within the last 0.1 rad of the bend.
+//!    forearm meet close to the end of the bend.
 //!
 //! Whatever is left is looked at. A pair that is called never cannot change an answer; the other reasons say what is
 //! not asked.

@@ -42,6 +42,9 @@ pub(super) struct Found {
     pub(super) plain: ArmSpace,
 }
 
+/// A hand pose, indices of configurations that have it, and these.
+type AtOnePose = (Isometry3<f64>, Vec<usize>, Vec<Vec<f64>>);
+
 /// The roadmap of an arm, made when it is first asked for.
 #[derive(Default)]
 pub(super) struct RoadmapOnce(OnceCell<Roadmap>);
@@ -167,7 +170,7 @@ impl Mover<'_> {
     }
 
     /// The hand pose of the first configuration, and those that share it with their indices.
-    fn at_one_pose(&self, configurations: &[Vec<f64>]) -> Option<(Isometry3<f64>, Vec<usize>, Vec<Vec<f64>>)> {
+    fn at_one_pose(&self, configurations: &[Vec<f64>]) -> Option<AtOnePose> {
         let pose = self.hand_pose(configurations.first()?);
         let same = |q: &Vec<f64>| {
             let off = pose.inv_mul(&self.hand_pose(q));
