@@ -4,6 +4,7 @@ mod grasps;
 mod lab;
 mod motion;
 mod palette;
+mod picture;
 mod swept;
 
 use std::sync::Arc;
@@ -23,6 +24,7 @@ pub use grasps::quantity_scale;
 pub use lab::LabContent;
 pub use motion::MotionContent;
 pub use palette::Palette;
+pub use picture::Picture;
 
 /// Resolution of a fit's mesh: 96 columns, 47 rings.
 const FIT_MESH_HALF: u32 = 12;

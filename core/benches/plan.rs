@@ -2,9 +2,13 @@
 //!
 //! `cargo bench -p endcomfort-core --bench plan [-- FOLDER]`, FOLDER holding `srs7.urdf`, `plan_work.json` and
 //! `shelf_work.json`. Timed are the search, shortcutting and timing, apart; making the checker and walking the result
-//! (0.01 rad, by the exhaustive judge) are not. A path that the walk finds blocked fails the bench.
+//! (0.01 rad, by the exhaustive judge) are not. Every timed trajectory is walked too, at four configurations per sample,
+//! and its samples are held against the limits. What is blocked or beyond a limit fails the bench. A number behind the
+//! folder plans so many seeds instead of ten.
 #![allow(non_snake_case, reason = "frame letters")]
 
+#[path = "common/arm.rs"]
+mod arm;
 #[path = "common/report.rs"]
 mod report;
 #[path = "common/workload.rs"]
@@ -13,6 +17,7 @@ mod workload;
 use std::error::Error;
 use std::path::Path;
 
+use arm::{Work, robot, world};
 use endcomfort_core::collision::{CarriedObject, Checker, CollisionModel, ConvexHull, Exhaustive, Scratch, World};
 use endcomfort_core::plan::{
     ArmSpace, BirrtSettings, MotionLimits, PlanOutcome, ShortcutSettings, TimingSettings, Upright, plan_path, shorten,
@@ -20,28 +25,21 @@ use endcomfort_core::plan::{
 };
 use endcomfort_core::rng::Rng;
 use endcomfort_core::robot::ik::ArmIk;
-use endcomfort_core::robot::{Arm, CollisionBody, Geometry, Hand, Robot, load_robot, read_urdf};
+use endcomfort_core::robot::{Robot, load_robot};
 use endcomfort_core::watch::Watch;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use report::{Report, now_ms};
-use serde::Deserialize;
 
+/// Seeds unless told.
 const SEEDS: u64 = 10;
 const STATES: usize = 20_000;
-
-#[derive(Deserialize)]
-struct Work {
-    tuck: Vec<f64>,
-    goals: Vec<Vec<f64>>,
-    boxes_centre_half: Vec<[f64; 6]>,
-    cylinders_centre_r_halfheight: Vec<[f64; 5]>,
-}
 
 fn main() -> Result<(), Box<dyn Error>> {
     let Some(folder) = workload::folder("arm", "plan_work.json") else { return Ok(()) };
     let robot = robot(&folder)?;
     let model = CollisionModel::new(&robot)?;
-    let mut report = Report::new("plan", format!("0..{SEEDS}"));
+    let seeds = workload::number().unwrap_or(SEEDS);
+    let mut report = Report::new("plan", format!("0..{seeds}"));
     let mut blocked = 0;
     for set in ["plan", "shelf"] {
         let work: Work = serde_json::from_str(&std::fs::read_to_string(folder.join(format!("{set}_work.json")))?)?;
@@ -188,8 +186,8 @@ fn bench_plans(
     let (mut plan_ms, mut short_ms, mut time_ms) = (Vec::new(), Vec::new(), Vec::new());
     let (mut found_rad, mut short_rad) = (Vec::new(), Vec::new());
     let mut durations_s = [const { Vec::new() }; 4];
-    let (mut straight, mut blocked) = (0, 0);
-    for seed in 0..SEEDS {
+    let (mut straight, mut blocked, mut beyond) = (0, 0, 0);
+    for seed in 0..workload::number().unwrap_or(SEEDS) {
         for (start, goal) in pairs {
             let goals = [(*goal).clone()];
             let begin_ms = now_ms();
@@ -215,12 +213,15 @@ fn bench_plans(
             for path in [&found.path, &short] {
                 blocked += u32::from(walk_path(&judge, &dofs, &[0.0; 7], path, 0.01).is_some());
             }
-            if seed == 0 {
-                blocked += u32::from(walk(&judge, &dofs, &[0.0; 7], &trajectory, 4).is_some());
-            }
+            blocked += u32::from(walk(&judge, &dofs, &[0.0; 7], &trajectory, 4).is_some());
+            beyond += u32::from(limits.first_violation(&trajectory).is_some());
         }
     }
-    let note = format!("{} of {} found, {straight} straight, {blocked} blocked", found_rad.len(), plan_ms.len());
+    let note = format!(
+        "{} of {} found, {straight} straight, {blocked} blocked, {beyond} beyond limits",
+        found_rad.len(),
+        plan_ms.len()
+    );
     report.add(problem, "search", "ms", plan_ms, note);
     report.add(problem, "shortcut", "ms", short_ms, "");
     report.add(problem, "timing", "ms", time_ms, "");
@@ -230,7 +231,7 @@ fn bench_plans(
     for (what, duration_s) in whats.into_iter().zip(durations_s) {
         report.add(problem, what, "s", duration_s, "");
     }
-    Ok(blocked)
+    Ok(blocked + beyond)
 }
 
 /// Transports between seeded upright configurations with the hand in front of the arm: the hand points down or lies level.
@@ -312,47 +313,4 @@ fn bench_upright(
 /// The same limits with as much jerk as the samples can show.
 fn without_jerk(limits: &MotionLimits) -> MotionLimits {
     MotionLimits { jerk: vec![1e9; limits.jerk.len()], ..limits.clone() }
-}
-
-/// The arm of the workload, each of its segments (a cylinder and two balls in the file) as the one capsule that it is.
-fn robot(folder: &Path) -> Result<Robot, Box<dyn Error>> {
-    let mut robot = read_urdf(&std::fs::read_to_string(folder.join("srs7.urdf"))?, &|_| None)?.value;
-    for link in &mut robot.links {
-        link.collisions = link
-            .collisions
-            .iter()
-            .filter_map(|body| match body.geometry {
-                Geometry::Cylinder { radius_m, length_m } => {
-                    Some(CollisionBody { geometry: Geometry::Capsule { radius_m, length_m }, ..body.clone() })
-                }
-                _ => None,
-            })
-            .collect();
-    }
-    let link = |name: &str| robot.link_index(name).ok_or_else(|| format!("srs7.urdf: no link {name:?}"));
-    let [base, upper, fore, last] = [link("base")?, link("l3")?, link("l5")?, link("l7")?];
-    robot.allowed_collisions = vec![(base, upper), (upper, fore), (fore, last)];
-    let hand = Hand {
-        name: "hand".to_owned(),
-        links: vec![last],
-        palm_link: last,
-        tcp_link: last,
-        fingers: Vec::new(),
-        open: Vec::new(),
-        closed: Vec::new(),
-    };
-    robot.arms = vec![Arm { name: "arm".to_owned(), dofs: (0..7).collect(), base_link: base, flange_link: last, hand }];
-    Ok(robot)
-}
-
-fn world(work: &Work) -> Result<World, Box<dyn Error>> {
-    let mut world = World::new();
-    for (index, [x, y, z, hx, hy, hz]) in work.boxes_centre_half.iter().enumerate() {
-        let size = 2.0 * Vector3::new(*hx, *hy, *hz);
-        world.add_box(&format!("box_{index}"), size, &Isometry3::translation(*x, *y, *z))?;
-    }
-    for (index, [x, y, z, radius, half]) in work.cylinders_centre_r_halfheight.iter().enumerate() {
-        world.add_cylinder(&format!("can_{index}"), *radius, 2.0 * half, &Isometry3::translation(*x, *y, *z))?;
-    }
-    Ok(world)
 }

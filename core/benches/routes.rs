@@ -1,4 +1,5 @@
-//! Planning without random numbers: diverse hand routes that the arm follows, and a roadmap, on the workloads shared with the measured peers.
+//! Planning without random numbers: diverse hand routes that the arm follows, and a roadmap, on the workloads shared with
+//! the measured peers.
 //!
 //! `cargo bench -p endcomfort-core --bench routes [-- FOLDER]`, FOLDER holding `srs7.urdf`, `plan_work.json` and
 //! `shelf_work.json`. Transports: the hand goes from where goal i puts it to where goal i + 1 puts it; the arm begins at
@@ -6,25 +7,26 @@
 //! asked once. A path that the walk (0.01 rad, by the exhaustive judge) finds blocked fails the bench.
 #![allow(non_snake_case, reason = "frame letters")]
 
+#[path = "common/arm.rs"]
+mod arm;
 #[path = "common/report.rs"]
 mod report;
 #[path = "common/workload.rs"]
 mod workload;
 
 use std::error::Error;
-use std::path::Path;
 
+use arm::{Work, robot, world};
 use endcomfort_core::collision::{BallChecker, Checker, CollisionModel, Exhaustive, World};
 use endcomfort_core::plan::{
     ArmSpace, BirrtSettings, FollowReason, FollowSettings, FollowingArm, FreeSpace, PlanOutcome, Roadmap,
     RoadmapSettings, RouteSettings, diverse_routes, follow_route, plan_by_roadmap, plan_path, walk_path,
 };
+use endcomfort_core::robot::Robot;
 use endcomfort_core::robot::ik::ArmIk;
-use endcomfort_core::robot::{Arm, CollisionBody, Geometry, Hand, Robot, read_urdf};
 use endcomfort_core::watch::Watch;
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Isometry3, Point3};
 use report::{Report, now_ms};
-use serde::Deserialize;
 
 /// Nodes of the roadmap.
 const ROADMAP_NODES: usize = 4096;
@@ -35,14 +37,6 @@ const CELL_M: f64 = 0.025;
 const INNER_M: f64 = 0.22;
 /// Least straight ways out and in that are tried, metres.
 const RETREATS_M: [f64; 2] = [0.0, 0.15];
-
-#[derive(Deserialize)]
-struct Work {
-    tuck: Vec<f64>,
-    goals: Vec<Vec<f64>>,
-    boxes_centre_half: Vec<[f64; 6]>,
-    cylinders_centre_r_halfheight: Vec<[f64; 5]>,
-}
 
 fn main() -> Result<(), Box<dyn Error>> {
     let Some(folder) = workload::folder("arm", "plan_work.json") else { return Ok(()) };
@@ -230,47 +224,4 @@ fn count(counts: &mut Vec<(String, usize)>, what: String) {
         Some((_, count)) => *count += 1,
         None => counts.push((what, 1)),
     }
-}
-
-/// The arm of the workload, each of its segments (a cylinder and two balls in the file) as the one capsule that it is.
-fn robot(folder: &Path) -> Result<Robot, Box<dyn Error>> {
-    let mut robot = read_urdf(&std::fs::read_to_string(folder.join("srs7.urdf"))?, &|_| None)?.value;
-    for link in &mut robot.links {
-        link.collisions = link
-            .collisions
-            .iter()
-            .filter_map(|body| match body.geometry {
-                Geometry::Cylinder { radius_m, length_m } => {
-                    Some(CollisionBody { geometry: Geometry::Capsule { radius_m, length_m }, ..body.clone() })
-                }
-                _ => None,
-            })
-            .collect();
-    }
-    let link = |name: &str| robot.link_index(name).ok_or_else(|| format!("srs7.urdf: no link {name:?}"));
-    let [base, upper, fore, last, tcp] = [link("base")?, link("l3")?, link("l5")?, link("l7")?, link("tcp")?];
-    robot.allowed_collisions = vec![(base, upper), (upper, fore), (fore, last)];
-    let hand = Hand {
-        name: "hand".to_owned(),
-        links: vec![last, tcp],
-        palm_link: last,
-        tcp_link: tcp,
-        fingers: Vec::new(),
-        open: Vec::new(),
-        closed: Vec::new(),
-    };
-    robot.arms = vec![Arm { name: "arm".to_owned(), dofs: (0..7).collect(), base_link: base, flange_link: last, hand }];
-    Ok(robot)
-}
-
-fn world(work: &Work) -> Result<World, Box<dyn Error>> {
-    let mut world = World::new();
-    for (index, [x, y, z, hx, hy, hz]) in work.boxes_centre_half.iter().enumerate() {
-        let size = 2.0 * Vector3::new(*hx, *hy, *hz);
-        world.add_box(&format!("box_{index}"), size, &Isometry3::translation(*x, *y, *z))?;
-    }
-    for (index, [x, y, z, radius, half]) in work.cylinders_centre_r_halfheight.iter().enumerate() {
-        world.add_cylinder(&format!("can_{index}"), *radius, 2.0 * half, &Isometry3::translation(*x, *y, *z))?;
-    }
-    Ok(world)
 }

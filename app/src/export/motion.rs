@@ -8,7 +8,7 @@ use endcomfort_core::task::{TrajectoryFormat, trajectory_text};
 
 use super::glb;
 use crate::assets;
-use crate::figures::Picture;
+use crate::compose::Picture;
 use crate::render::Theme;
 
 /// Time between the poses of an animation, seconds.

@@ -18,3 +18,9 @@ pub(crate) fn folder(name: &str, file: &str) -> Option<PathBuf> {
     println!("{name}: skipped, {} holds no {file}; name the folder as an argument", folder.display());
     None
 }
+
+/// The number behind the folder, if there is one.
+#[allow(dead_code, reason = "not every bench takes one")]
+pub(crate) fn number() -> Option<u64> {
+    arguments().nth(1)?.parse().ok()
+}

@@ -1,0 +1,100 @@
+//! A scene and whatever the pipeline found, at a time of the plan.
+
+use std::sync::Arc;
+
+use endcomfort_core::grasp::Quantity;
+use endcomfort_core::job::Output;
+use endcomfort_core::robot::Robot;
+use endcomfort_core::scene::Scene;
+use endcomfort_core::task::Plan;
+
+use super::{Composer, Content, MotionContent};
+use crate::export::Moment;
+use crate::render::{Frame, Theme};
+use crate::viewer::{Layer, Layers};
+
+/// What a picture shows: a scene and whatever the pipeline found.
+pub struct Picture<'a> {
+    pub scene: &'a Scene,
+    pub robot: &'a Arc<Robot>,
+    pub outputs: &'a [Output],
+}
+
+impl Picture<'_> {
+    /// The bodies at every `step_s` of the plan, the last moment included; without a plan, at the start alone.
+    pub fn moments(&self, step_s: f64, theme: Theme) -> Vec<Moment> {
+        let mut layers = Layers::default();
+        for layer in Layer::ALL.into_iter().filter(|layer| !matches!(layer, Layer::Robot | Layer::Fits)) {
+            layers.get_mut(layer).visible = false;
+        }
+        let duration_s = self.plan().map_or(0.0, |plan| plan.duration_s());
+        let steps = (duration_s / step_s.max(1e-3)).ceil() as usize;
+        let mut composer = Composer::default();
+        let moment = |k: usize| {
+            let time_s = (k as f64 * step_s).min(duration_s);
+            let frame = self.frame(&mut composer, Some(time_s), theme, &layers);
+            Moment { time_s, meshes: frame.meshes }
+        };
+        (0..=steps).map(moment).collect()
+    }
+
+    fn plan(&self) -> Option<&Plan> {
+        self.outputs.iter().find_map(|output| if let Output::Plan(plan) = output { Some(&**plan) } else { None })
+    }
+
+    /// What is drawn at a time of the plan; without a time, the robot in its start posture.
+    pub(crate) fn frame(&self, composer: &mut Composer, time_s: Option<f64>, theme: Theme, layers: &Layers) -> Frame {
+        let plan = self.plan().cloned().map(Arc::new);
+        let mut content = Content {
+            scene: self.scene,
+            robot: self.robot,
+            q: &[],
+            cloud: None,
+            segment: None,
+            fits: None,
+            grasps: &[],
+            X_WO_start: None,
+            X_WO_goal: None,
+            X_WO_between: Vec::new(),
+            X_WO: None,
+            plan: plan.as_ref(),
+            motion: MotionContent::default(),
+            layers,
+            hovered: None,
+            selected: None,
+            colored_by: Quantity::MgStart,
+            filter: Some(&self.scene.grasp.filter),
+            lab: None,
+            theme,
+        };
+        for output in self.outputs {
+            match output {
+                Output::Scene(value) => content.cloud = Some(value),
+                Output::Segment(value) => content.segment = Some(value),
+                Output::Fit(value) => content.fits = Some(value),
+                Output::Grasps(value) => {
+                    (content.X_WO_start, content.X_WO_goal) = (Some(value.X_WO_start), value.X_WO_goal);
+                    content.grasps = &value.grasps;
+                    let quantity = self.scene.rank.by.quantity(value.X_WO_goal.is_some());
+                    content.colored_by = quantity.unwrap_or(Quantity::MgStart);
+                }
+                Output::Rank(value) => {
+                    content.grasps = &value.grasps;
+                    content.selected = value.grasps.first().filter(|g| g.is_accepted()).map(|g| g.id);
+                }
+                Output::Plan(_) | Output::Objective(_) | Output::Quality(_) => {}
+            }
+        }
+        let resting = self.robot.posture(&self.scene.posture);
+        let mut q = resting.map_or_else(|| vec![0.0; self.robot.dof_count()], <[f64]>::to_vec);
+        content.X_WO = content.X_WO_start;
+        if let (Some(plan), Some(time_s)) = (content.plan, time_s) {
+            let state = plan.state_at(time_s);
+            content.X_WO = Some(plan.object_pose(self.robot, &state));
+            q = state.q;
+            content.grasps = &[];
+        }
+        content.q = &q;
+        composer.compose(&content)
+    }
+}
