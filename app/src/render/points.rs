@@ -1,4 +1,7 @@
-//! Clouds: instanced polygons that face the eye, uploaded once per cloud.
+//! Clouds: polygons that face the eye, uploaded once per cloud.
+//!
+//! The vertex shader fetches its point from a texture: drawing a point as an instance of four corners costs a machine
+//! without a GPU 9 µs each, a hundred times as much as the corners themselves.
 
 use std::{
     collections::BTreeMap,
@@ -7,17 +10,20 @@ use std::{
 
 use bytemuck::{Pod, Zeroable};
 use nalgebra::Point3;
+use wgpu::util::DeviceExt as _;
 
 use super::{
     Frame, PointsDraw,
     globals::Stage,
-    gpu::{Color, Recipe, Sampled, Stream, fixed_buffer, shader},
+    gpu::{Color, Recipe, Sampled, Stream, bind_textures, shader},
 };
 
 /// Least diameter on the picture, in logical pixels.
 const LEAST_PX: f32 = 1.5;
 /// Distance between the uniform blocks of two clouds: the coarsest alignment of any device.
 const BLOCK: u64 = 256;
+/// Points in a row of a texture, and most rows: the largest texture that every WebGL2 device has.
+const ROW: u32 = 2048;
 /// Colour of points whose colour is missing.
 const NO_COLOR: [f32; 4] = [0.5, 0.5, 0.5, 1.0];
 
@@ -43,14 +49,14 @@ struct Uploaded {
     points: Weak<Vec<Point3<f64>>>,
     colors: Weak<Vec<[f32; 4]>>,
     center: Point3<f64>,
-    splats: wgpu::Buffer,
-    count: u32,
+    /// Textures of at most [`ROW`] rows, and how many points each holds.
+    splats: Vec<(wgpu::BindGroup, u32)>,
     opaque: bool,
 }
 
 impl Uploaded {
     /// Points that are not finite are left out; colours that are missing repeat the last one.
-    fn new(device: &wgpu::Device, draw: &PointsDraw) -> Option<Self> {
+    fn new(gpu: (&wgpu::Device, &wgpu::Queue), layout: &wgpu::BindGroupLayout, draw: &PointsDraw) -> Option<Self> {
         let is_finite = |p: &Point3<f64>| p.coords.iter().all(|c| c.is_finite());
         let (mut least, mut most) = (Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3]));
         for point in draw.points.iter().filter(|p| is_finite(p)) {
@@ -75,11 +81,40 @@ impl Uploaded {
             points: Arc::downgrade(&draw.points),
             colors: Arc::downgrade(&draw.colors),
             center,
-            splats: fixed_buffer(device, "points", wgpu::BufferUsages::VERTEX, bytemuck::cast_slice(&splats)),
-            count: splats.len() as u32,
+            splats: splats
+                .chunks((ROW * ROW) as usize)
+                .map(|some| (texture(gpu, layout, some), some.len() as u32))
+                .collect(),
             opaque,
         })
     }
+}
+
+/// Points row by row in a texture of four integers per texel.
+fn texture(
+    (device, queue): (&wgpu::Device, &wgpu::Queue),
+    layout: &wgpu::BindGroupLayout,
+    splats: &[Splat],
+) -> wgpu::BindGroup {
+    let rows = (splats.len() as u32).div_ceil(ROW);
+    let mut texels = splats.to_vec();
+    texels.resize((rows * ROW) as usize, Splat::zeroed());
+    let texture = device.create_texture_with_data(
+        queue,
+        &wgpu::TextureDescriptor {
+            label: Some("points"),
+            size: wgpu::Extent3d { width: ROW, height: rows, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Rgba32Uint,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        },
+        wgpu::util::TextureDataOrder::LayerMajor,
+        bytemuck::cast_slice(&texels),
+    );
+    bind_textures(device, layout, &[&texture.create_view(&wgpu::TextureViewDescriptor::default())])
 }
 
 /// A cloud's place among the uploaded ones: addresses of its points and colours.
@@ -95,6 +130,7 @@ pub(super) struct Points {
     /// What the current picture draws: cloud, uniform block, corners.
     planned: Vec<(Key, u32, u32)>,
     layout: wgpu::BindGroupLayout,
+    splats_layout: wgpu::BindGroupLayout,
     blocks: Stream,
     bind_group: Option<wgpu::BindGroup>,
     solid: Sampled,
@@ -117,19 +153,27 @@ impl Points {
             }],
         });
         let shader = shader(device, "points", concat!(include_str!("globals.wgsl"), include_str!("points.wgsl")));
-        let attributes = wgpu::vertex_attr_array![0 => Float32x3, 1 => Unorm8x4];
+        let splats_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("points"),
+            entries: &[wgpu::BindGroupLayoutEntry {
+                binding: 0,
+                visibility: wgpu::ShaderStages::VERTEX,
+                ty: wgpu::BindingType::Texture {
+                    sample_type: wgpu::TextureSampleType::Uint,
+                    view_dimension: wgpu::TextureViewDimension::D2,
+                    multisampled: false,
+                },
+                count: None,
+            }],
+        });
         let solid = Recipe {
             label: "points",
             shader: &shader,
             vertex: "vs_point",
             fragment: "fs_point",
-            layouts: &[globals, &layout],
-            buffers: &[wgpu::VertexBufferLayout {
-                array_stride: size_of::<Splat>() as u64,
-                step_mode: wgpu::VertexStepMode::Instance,
-                attributes: &attributes,
-            }],
-            topology: wgpu::PrimitiveTopology::TriangleStrip,
+            layouts: &[globals, &layout, &splats_layout],
+            buffers: &[],
+            topology: wgpu::PrimitiveTopology::TriangleList,
             color: Color::Replace,
             depth: Some((wgpu::CompareFunction::Greater, true)),
             samples: 1,
@@ -142,7 +186,8 @@ impl Points {
         };
         let (solid, mixed) = (solid.make_sampled(device), mixed.make_sampled(device));
         let blocks = Stream::new("clouds", wgpu::BufferUsages::UNIFORM);
-        Self { uploaded: BTreeMap::new(), planned: Vec::new(), layout, blocks, bind_group: None, solid, mixed }
+        let (uploaded, planned, bind_group) = (BTreeMap::new(), Vec::new(), None);
+        Self { uploaded, planned, layout, splats_layout, blocks, bind_group, solid, mixed }
     }
 
     /// Uploads what is new, forgets what nobody holds, plans the picture.
@@ -153,7 +198,8 @@ impl Points {
         let mut blocks: Vec<Block> = Vec::new();
         for draw in &frame.points {
             let key = key(draw);
-            let entry = self.uploaded.entry(key).or_insert_with(|| Uploaded::new(device, draw));
+            let upload = || Uploaded::new((device, queue), &self.splats_layout, draw);
+            let entry = self.uploaded.entry(key).or_insert_with(upload);
             let Some(cloud) = entry.as_ref().filter(|_| draw.diameter_m.is_finite()) else { continue };
             let diameter_px = f64::from(draw.diameter_m) / stage.camera.m_per_px(&cloud.center, stage.size);
             let corners = match diameter_px {
@@ -197,8 +243,10 @@ impl Points {
                 if cloud.opaque == opaque {
                     pass.set_pipeline(pipeline.get(smooth));
                     pass.set_bind_group(1, &self.bind_group, &[*block]);
-                    pass.set_vertex_buffer(0, cloud.splats.slice(..));
-                    pass.draw(0..*corners, 0..cloud.count);
+                    for (splats, count) in &cloud.splats {
+                        pass.set_bind_group(2, splats, &[]);
+                        pass.draw(0..3 * (corners - 2) * count, 0..1);
+                    }
                 }
             }
         }
