@@ -127,7 +127,7 @@ fn the_object_ends_where_the_task_wants_it() {
         let state = plan.state_at(end_s - 1e-9);
         let robot = assets::library().robot(&assets::demo(name).unwrap().robot).unwrap();
         let grasp = &plan.legs[plan.phases[last].leg].grasp;
-        let X_WO = robot.link_poses(&state.q)[plan.tcp_link] * grasp.X_OH.inverse();
+        let X_WO = robot.link_poses(&state.q)[plan.legs[0].tcp_link] * grasp.X_OH.inverse();
         assert!((X_WO.translation.vector - plan.X_WO_end().translation.vector).norm() < 1e-6, "{name}");
     }
 }
@@ -138,7 +138,7 @@ fn velocities_and_accelerations_stay_within_the_limits_sample_by_sample() {
     let robot = assets::library().robot(&scene.robot).unwrap();
     let (outputs, _) = run(&mut Pipeline::new(assets::library()), &request(scene));
     let plan = plan_of(outputs).unwrap();
-    let arm_columns = robot.arm(&plan.arm).unwrap().dofs.len();
+    let arm_columns = robot.arm(&plan.legs[0].arm).unwrap().dofs.len();
     for phase in &plan.phases {
         let (times, positions) = (&phase.trajectory.times_s, &phase.trajectory.positions);
         for (column, &dof) in plan.dofs.iter().enumerate().take(arm_columns) {

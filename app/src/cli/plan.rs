@@ -83,7 +83,7 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
         return Ok(());
     }
     let grasps: Vec<String> = plan.legs.iter().map(|leg| leg.grasp.id.to_string()).collect();
-    println!("{} arm, grasp {}, {:.2} s", plan.arm, grasps.join(" then "), plan.duration_s());
+    println!("{} arm, grasp {}, {:.2} s", plan.arms().join(" and "), grasps.join(" then "), plan.duration_s());
     for phase in &plan.phases {
         let clearance = phase.clearance_m.iter().copied().fold(f64::INFINITY, f64::min);
         println!(

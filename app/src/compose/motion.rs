@@ -66,11 +66,12 @@ pub(super) struct Motion {
 
 impl Motion {
     fn new(plan: &Arc<Plan>, robot: &Arc<Robot>) -> Self {
-        let hand_at = |time_s: f64| robot.link_poses(&plan.state_at(time_s).q)[plan.tcp_link].translation.vector.into();
         let arm_phases = plan.phases.iter().filter(|phase| !phase.kind.is_of_fingers());
         let trail = arm_phases.map(|phase| {
             let duration_s = phase.trajectory.duration_s();
             let times = (0..=TRAIL).map(|k| phase.start_s + duration_s * f64::from(k) / f64::from(TRAIL));
+            let tcp_link = plan.legs[phase.leg].tcp_link;
+            let hand_at = |time_s: f64| robot.link_poses(&plan.state_at(time_s).q)[tcp_link].translation.vector.into();
             (phase.kind, times.map(hand_at).collect())
         });
         Self { trail: trail.collect(), plan: plan.clone(), robot: robot.clone(), poses: None, skin: None }
@@ -100,7 +101,7 @@ impl Motion {
             let mut last: Option<Isometry3<f64>> = None;
             for k in 0..=FINE {
                 let state = plan.state_at(plan.duration_s() * f64::from(k) / f64::from(FINE));
-                let X_WH = robot.link_poses(&state.q)[plan.tcp_link];
+                let X_WH = robot.link_poses(&state.q)[plan.tcp_link(&state)];
                 let step_m = last.map_or(0.0, |last| {
                     let turn_rad = last.rotation.angle_to(&X_WH.rotation);
                     (X_WH.translation.vector - last.translation.vector).norm() + HAND_M * turn_rad

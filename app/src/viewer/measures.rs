@@ -70,7 +70,7 @@ pub(super) fn trail(plan: &Plan, robot: &Robot) -> Vec<Point3<f64>> {
     let count = (50.0 * plan.duration_s()).ceil().max(1.0).min(3000.0) as u32;
     let at = |k: u32| {
         let state = plan.state_at(plan.duration_s() * f64::from(k) / f64::from(count));
-        Point3::from(robot.link_poses(&state.q)[plan.tcp_link].translation.vector)
+        Point3::from(robot.link_poses(&state.q)[plan.tcp_link(&state)].translation.vector)
     };
     let mut points: Vec<Point3<f64>> = (0..=count).map(at).collect();
     points.dedup_by(|after, before| (*after - *before).norm() < 1e-6);

@@ -120,7 +120,7 @@ fn json(plan: &Plan, robot: &Robot) -> String {
 
 fn yaml(plan: &Plan, robot: &Robot) -> String {
     let list = |values: &[f64]| values.iter().map(|value| format!("{value:.9}")).collect::<Vec<_>>().join(", ");
-    let mut text = format!("# trajectory_msgs/msg/JointTrajectory, {} arm\n", plan.arm);
+    let mut text = format!("# trajectory_msgs/msg/JointTrajectory, arm: {}\n", plan.arms().join(" and "));
     text.push_str("header:\n  stamp: {sec: 0, nanosec: 0}\n  frame_id: \"\"\n");
     let _ = writeln!(text, "joint_names: [{}]\npoints:", joint_names(plan, robot).join(", "));
     for Sample { phase, index, time_s, q, v, a } in samples(plan) {
@@ -158,12 +158,10 @@ mod tests {
             Phase { kind, leg: 0, start_s, trajectory, carries: false, manipulability, clearance_m, closest }
         };
         Plan {
-            arm: "left".to_owned(),
             legs: Vec::new(),
             phases: vec![phase(PhaseKind::Reach, 0.0, 0.0), phase(PhaseKind::Retreat, 0.5, 0.5)],
             q_start: vec![0.0; 18],
             dofs: vec![0, 1, 2],
-            tcp_link: 0,
             tries: Vec::new(),
             routes: Vec::new(),
             certificate: Certificate::default(),

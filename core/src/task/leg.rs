@@ -72,7 +72,13 @@ pub fn plan_leg(task: &LegTask<'_>, settings: &MotionSettings, watch: Watch<'_>)
                 for (dof, position) in moving_dofs(cell).zip(end.into_iter().flatten()) {
                     q_end[dof] = *position;
                 }
-                let leg = Leg { grasp: grasp.clone(), X_WO_start: cell.X_WO_start, X_WO_end: done.X_WO_end };
+                let leg = Leg {
+                    arm: cell.arm().name.clone(),
+                    tcp_link: cell.arm().hand.tcp_link,
+                    grasp: grasp.clone(),
+                    X_WO_start: cell.X_WO_start,
+                    X_WO_end: done.X_WO_end,
+                };
                 return Ok(LegPlan { leg, tries, routes: done.routes, q_end, drafts: done.drafts });
             }
             Err(setback) => {
@@ -113,12 +119,10 @@ fn reasons_of_rejected(grasps: &[Grasp]) -> Vec<String> {
 pub fn assemble(cell: &Workcell, legs: Vec<LegPlan>) -> Plan {
     assert!(!legs.is_empty(), "a plan has a leg");
     let mut plan = Plan {
-        arm: cell.arm().name.clone(),
         legs: Vec::new(),
         phases: Vec::new(),
         q_start: cell.q_with_fingers(&cell.hand.open),
         dofs: moving_dofs(cell).collect(),
-        tcp_link: cell.arm().hand.tcp_link,
         tries: Vec::new(),
         routes: Vec::new(),
         certificate: Certificate::default(),

@@ -10,19 +10,16 @@ use crate::robot::Robot;
 /// A played plan: the phases one after the other.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Plan {
-    /// Name of the arm that moves.
-    pub arm: String,
     /// What happens between taking the object and letting it go, at least one; more than one when it is put down and
-    /// grasped anew.
+    /// grasped anew, or handed over.
     pub legs: Vec<Leg>,
     /// Phases in the order of time.
     pub phases: Vec<Phase>,
     /// Full joint positions before the first phase, all degrees of freedom of the robot.
     pub q_start: Vec<f64>,
-    /// Degrees of freedom of the arm, then of the hand, as indices into `q`: the columns of every trajectory.
+    /// Degrees of freedom of the arm, then of its hand, as indices into `q`: the columns of every trajectory. If a second
+    /// arm takes part, its own follow.
     pub dofs: Vec<usize>,
-    /// Link index of the hand frame H.
-    pub tcp_link: usize,
     /// What was tried before this, and why each failed.
     pub tries: Vec<Try>,
     /// Routes of the hand that were looked at ([`super::Planner::Routes`]).
@@ -34,6 +31,10 @@ pub struct Plan {
 /// One grasp and what is done with it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Leg {
+    /// Name of the arm that does it.
+    pub arm: String,
+    /// Link index of its hand frame H.
+    pub tcp_link: usize,
     /// The grasp that is used.
     pub grasp: Grasp,
     /// Pose of the object frame O in the world before it is grasped.
@@ -176,8 +177,8 @@ pub struct PlanState {
 pub enum ObjectState {
     /// Standing, not yet grasped or let go again: its pose `X_WO`.
     Standing(Isometry3<f64>),
-    /// In the hand: its pose `X_HO` in the hand frame.
-    Carried(Isometry3<f64>),
+    /// In a hand: the link of its hand frame H, and the object's pose `X_HO` there.
+    Carried { tcp_link: usize, X_HO: Isometry3<f64> },
 }
 
 impl Plan {
@@ -200,8 +201,24 @@ impl Plan {
     pub fn object_pose(&self, robot: &Robot, state: &PlanState) -> Isometry3<f64> {
         match state.object {
             ObjectState::Standing(X_WO) => X_WO,
-            ObjectState::Carried(X_HO) => robot.link_poses(&state.q)[self.tcp_link] * X_HO,
+            ObjectState::Carried { tcp_link, X_HO } => robot.link_poses(&state.q)[tcp_link] * X_HO,
         }
+    }
+
+    /// Link index of the frame H of the hand that moves in a state.
+    pub fn tcp_link(&self, state: &PlanState) -> usize {
+        self.phases.get(state.phase).map_or(self.legs[0].tcp_link, |phase| self.legs[phase.leg].tcp_link)
+    }
+
+    /// Names of the arms that move, each once, in the order in which they begin.
+    pub fn arms(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
+        for leg in &self.legs {
+            if !names.contains(&leg.arm.as_str()) {
+                names.push(&leg.arm);
+            }
+        }
+        names
     }
 
     /// Duration of all phases, seconds.
@@ -227,7 +244,7 @@ impl Plan {
         let leg = &self.legs[phase.leg];
         let was_carried = self.phases[..index].iter().any(|earlier| earlier.leg == phase.leg && earlier.carries);
         let object = if phase.carries {
-            ObjectState::Carried(leg.grasp.X_OH.inverse())
+            ObjectState::Carried { tcp_link: leg.tcp_link, X_HO: leg.grasp.X_OH.inverse() }
         } else if was_carried {
             ObjectState::Standing(leg.X_WO_end)
         } else {

@@ -12,12 +12,13 @@ pub fn plan_json_lines(plan: &Plan, robot: &Robot) -> Vec<Value> {
     plan.phases
         .iter()
         .map(|phase| {
-            let grasp = &plan.legs[phase.leg].grasp;
+            let leg = &plan.legs[phase.leg];
+            let grasp = &leg.grasp;
             let matrix = grasp.X_OH.to_homogeneous();
             let object_from_hand: Vec<f64> = (0..16).map(|k| matrix[(k / 4, k % 4)]).collect();
             json!({
                 "phase": phase.kind.name(),
-                "arm": plan.arm,
+                "arm": leg.arm,
                 "leg": phase.leg,
                 "grasp": grasp.id,
                 "object_from_hand": object_from_hand,

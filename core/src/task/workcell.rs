@@ -177,7 +177,7 @@ impl Workcell {
     /// # Errors
     /// As [`Workcell::approaching`].
     pub fn situation(&self, kind: PhaseKind, leg: &Leg) -> Result<Situation, CollisionError> {
-        let Leg { grasp, X_WO_start, X_WO_end } = leg;
+        let Leg { grasp, X_WO_start, X_WO_end, .. } = leg;
         match kind {
             PhaseKind::Reach => self.approaching(X_WO_start),
             PhaseKind::Close => self.grasping(X_WO_start, &grasp.closed),

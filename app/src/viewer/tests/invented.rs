@@ -380,9 +380,13 @@ fn plan(grasp: Grasp) -> Plan {
         })
         .collect();
     Plan {
-        tcp_link: arm.hand.tcp_link,
-        arm: "right".to_owned(),
-        legs: vec![Leg { grasp, X_WO_start: Isometry3::identity(), X_WO_end: Isometry3::identity() }],
+        legs: vec![Leg {
+            arm: "right".to_owned(),
+            tcp_link: arm.hand.tcp_link,
+            grasp,
+            X_WO_start: Isometry3::identity(),
+            X_WO_end: Isometry3::identity(),
+        }],
         phases,
         q_start: robot.posture("home").expect("it waits there").to_vec(),
         dofs,

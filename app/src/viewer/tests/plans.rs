@@ -147,7 +147,7 @@ fn the_ways_of_a_plan_are_those_of_a_finer_walk() {
     let (mut arm_rad, mut hand_m, mut last) = (0.0, 0.0, None);
     for k in 0..=steps {
         let q = plan.state_at(plan.duration_s() * f64::from(k) / f64::from(steps)).q;
-        let p_W = robot.link_poses(&q)[plan.tcp_link].translation.vector;
+        let p_W = robot.link_poses(&q)[plan.legs[0].tcp_link].translation.vector;
         let arm = nalgebra::DVector::from_iterator(7, plan.dofs[..7].iter().map(|&dof| q[dof]));
         if let Some((before, from)) = last.replace((arm.clone(), p_W)) {
             arm_rad += (arm - before).norm();

@@ -11,7 +11,7 @@ use crate::viewer::widgets::{focus_ring, key_value, secondary_button, section, s
 use crate::viewer::{Command, Layer, PlanCommand, ViewerState, format, playback};
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, plan: &Plan, out: &mut Out) {
-    let _row = key_value(ui, "Arm", &plan.arm);
+    let _row = key_value(ui, "Arm", &plan.arms().join(", then "));
     let _row = key_value(ui, "Duration", &format::clock(state.duration_s()));
     if let Some((clearance_m, time_s)) = playback::closest(plan) {
         let text = format!("{} at {}", format::length(clearance_m), format::clock(time_s));
