@@ -1,5 +1,6 @@
 //! Robots: URDF + SRDF, kinematics, limits, hands, inverse kinematics.
 
+mod beside;
 mod chain;
 mod dexterity;
 mod error;
@@ -10,10 +11,13 @@ mod kinematics;
 mod mesh_file;
 mod model;
 #[cfg(test)]
+mod receivers_test;
+#[cfg(test)]
 pub(crate) mod samples;
 #[cfg(test)]
 mod shapes_test;
 mod srdf;
+mod standing;
 mod tree;
 mod trig;
 mod urdf;

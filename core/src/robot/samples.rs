@@ -1,4 +1,4 @@
-//! The two robots of `robots/`, for tests; meshes come from the files beside them.
+//! The robots of `robots/`, for tests; meshes come from the files beside them.
 
 use super::{Robot, load_robot};
 
@@ -21,6 +21,16 @@ pub(crate) fn crichton() -> Robot {
 /// Alita: two LWA3 arms, parallel grippers.
 pub(crate) fn alita() -> Robot {
     load(include_str!("../../../robots/alita/alita.urdf"), include_str!("../../../robots/alita/alita.srdf"))
+}
+
+/// Hubo: arms of six joints, simple hands, legs that kneel.
+pub(crate) fn hubo() -> Robot {
+    load(include_str!("../../../robots/hubo/hubo.urdf"), include_str!("../../../robots/hubo/hubo.srdf"))
+}
+
+/// A person: S-R-S arms, hands, legs that kneel and sit.
+pub(crate) fn human() -> Robot {
+    load(include_str!("../../../robots/human/human.urdf"), include_str!("../../../robots/human/human.srdf"))
 }
 
 /// A description of `robots/hands/`.
