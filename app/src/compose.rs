@@ -37,6 +37,8 @@ const MOVED_M: f64 = 1e-4;
 pub struct Content<'a> {
     pub scene: &'a Scene,
     pub robot: &'a Arc<Robot>,
+    /// Name of the arm that grasps.
+    pub arm: &'a str,
     /// All joint positions.
     pub q: &'a [f64],
     pub cloud: Option<&'a SceneOutput>,

@@ -81,6 +81,7 @@ impl Studio for BuiltInStudio {
         let content = Content {
             scene: input.scene,
             robot: &robot,
+            arm: outputs.arm_name(input.scene),
             q: &state.q,
             cloud: outputs.scene.as_deref(),
             segment: outputs.segment.as_deref(),
@@ -212,7 +213,7 @@ impl Standing {
                     Situation::Start => grasp.start.as_ref(),
                     Situation::Goal => grasp.goal.as_ref(),
                 };
-                let Some(arm) = robot.arm(input.scene.arm.name()) else { return at_start };
+                let Some(arm) = robot.arm(outputs.arm_name(input.scene)) else { return at_start };
                 let arm = if input.scene.torso { robot.arm_with_torso(arm) } else { arm.clone() };
                 let Some(solution) = situated.and_then(|s| s.solutions.get(index)) else { return at_start };
                 let fingers = arm.hand.fingers.iter().flatten().zip(&grasp.closed);
@@ -233,7 +234,7 @@ impl Standing {
         let plan = outputs.plan.as_deref().filter(|plan| plan.q_start.len() == robot.dof_count());
         let resting = || robot.posture(&input.scene.posture).map(<[f64]>::to_vec);
         let mut q = plan.map(|plan| plan.q_start.clone()).or_else(resting)?;
-        let arm = robot.arm(input.scene.arm.name())?;
+        let arm = robot.arm(tried.arm.as_deref().unwrap_or(outputs.arm_name(input.scene)))?;
         let arm = if input.scene.torso { robot.arm_with_torso(arm) } else { arm.clone() };
         let dofs: Vec<usize> = arm.dofs.iter().chain(arm.hand.fingers.iter().flatten()).copied().collect();
         if tried.q.len() > dofs.len() {
@@ -246,6 +247,7 @@ impl Standing {
         let X_OH = tried.grasp.and_then(|id| outputs.candidate(id)).map(|grasp| grasp.X_OH);
         let X_WO = match (X_OH, tried.phase) {
             (Some(X_OH), _) if tried.carries => robot.link_poses(&q)[arm.hand.tcp_link] * X_OH.inverse(),
+            _ if tried.X_WO.is_some() => tried.X_WO?,
             (_, Some(PhaseKind::Open | PhaseKind::Retreat)) => found.X_WO_goal.unwrap_or(found.X_WO_start),
             _ => found.X_WO_start,
         };

@@ -176,6 +176,8 @@ pub struct ObjectiveFit {
 /// Candidates after closing the hand and looking for collisions of the hand alone.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct GraspsOutput {
+    /// Name of the arm that they are for: that of the scene, or of a handover the one that gives.
+    pub arm: String,
     /// All candidates, in the order of generation.
     pub grasps: Vec<Grasp>,
     /// Pose of the object frame O (axes of the target's fit) at the start, in W.

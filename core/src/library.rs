@@ -3,12 +3,22 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
+use nalgebra::{Isometry3, Translation3};
+
+use crate::handover::{Agent, Handover};
 use crate::object::{HouseholdObject, ObjectError};
+use crate::reach::{ForwardSettings, ReachError, ReachMap, build_forward};
 use crate::robot::{HandDescription, HandError, Robot, RobotError, load_robot};
 use crate::scene::Scene;
+use crate::watch::Watch;
 
 /// Gives the content of a file by its path inside the repository: `robots/alita/alita.urdf`.
 pub type ReadFile = dyn Fn(&str) -> Option<&'static [u8]> + Send + Sync;
+
+/// Samples of the map of an arm that has no file: enough for where hands can meet, in a fraction of a second.
+const SAMPLES_WITHOUT_FILE: usize = 500_000;
+/// Between what somebody stands on and its feet, metres: they do not count as touching.
+const STANDING_GAP_M: f64 = 0.002;
 
 /// Robots and objects by name; each is read when it is first asked for and kept.
 pub struct Library {
@@ -17,9 +27,22 @@ pub struct Library {
     objects: Mutex<BTreeMap<String, Arc<HouseholdObject>>>,
     /// The robot with another hand that was asked for last: robot, arm, hand.
     handed: Mutex<Option<Handed>>,
+    /// Reachability maps by robot and arm.
+    maps: Mutex<BTreeMap<(String, String), ReachMap>>,
+    /// Giver and receiver as one robot, as they were asked for last.
+    together: Mutex<Option<(Together, Arc<Robot>)>>,
 }
 
 type Handed = (String, &'static str, HandDescription, Arc<Robot>);
+
+/// What giver and receiver as one robot are made of: the giver, and who stands where in which posture.
+struct Together {
+    giver: Arc<Robot>,
+    model: String,
+    posture: String,
+    X_WA: Isometry3<f64>,
+    floor_m: f64,
+}
 
 /// Why the library cannot give something.
 #[derive(Debug, thiserror::Error)]
@@ -34,6 +57,15 @@ pub enum LibraryError {
     /// An object's file is wrong.
     #[error("object {name:?}: {source}")]
     Object { name: String, source: ObjectError },
+    /// A robot has no such posture.
+    #[error("{robot} has no posture {posture:?}")]
+    NoPosture { robot: String, posture: String },
+    /// A robot has no such arm.
+    #[error("{robot} has no {arm} arm")]
+    NoArm { robot: String, arm: String },
+    /// A reachability map cannot be read or built.
+    #[error("map of the {arm} arm of {robot}: {source}")]
+    Map { robot: String, arm: String, source: ReachError },
     /// A hand of the user's own cannot be attached.
     #[error("hand {name:?}: {source}")]
     Hand { name: String, source: HandError },
@@ -42,7 +74,7 @@ pub enum LibraryError {
 impl Library {
     /// A library over files.
     pub fn new(read: Box<ReadFile>) -> Self {
-        Self { read, robots: Mutex::default(), objects: Mutex::default(), handed: Mutex::default() }
+        Self { read, robots: Mutex::default(), objects: Mutex::default(), handed: Mutex::default(), maps: Mutex::default(), together: Mutex::default() }
     }
 
     fn text(&self, kind: &'static str, name: &str, path: &str) -> Result<String, LibraryError> {
@@ -67,11 +99,62 @@ impl Library {
         Ok(robot)
     }
 
-    /// The robot of a scene: with the scene's own hand at the acting arm, if it has one.
+    /// The reachability map of an arm: the one in `robots/maps/`, or else one that is built now by forward sampling.
+    ///
+    /// # Errors
+    /// [`LibraryError`] when there is no such robot or arm, or its map cannot be read or built.
+    pub fn reach_map(&self, name: &str, arm: &str) -> Result<ReachMap, LibraryError> {
+        let key = (name.to_owned(), arm.to_owned());
+        if let Some(map) = lock(&self.maps).get(&key) {
+            return Ok(map.clone());
+        }
+        let robot = self.robot(name)?;
+        let no_arm = || LibraryError::NoArm { robot: name.to_owned(), arm: arm.to_owned() };
+        let index = robot.arms.iter().position(|found| found.name == arm).ok_or_else(no_arm)?;
+        let map = match (self.read)(&format!("robots/maps/{name}_{arm}.reach")) {
+            Some(bytes) => ReachMap::from_bytes(bytes, &robot, index),
+            None => {
+                let settings = ForwardSettings { samples: SAMPLES_WITHOUT_FILE, ..ForwardSettings::default() };
+                build_forward(&robot, index, &settings, Watch::idle())
+            }
+        };
+        let map = map.map_err(|source| LibraryError::Map { robot: name.to_owned(), arm: arm.to_owned(), source })?;
+        lock(&self.maps).insert(key, map.clone());
+        Ok(map)
+    }
+
+    /// The robot of a scene: with the scene's own hand at the acting arm, if it has one, and together with the receiver of
+    /// a handover, if that is somebody else. The receiver's names begin with its model's: `hubo_left`.
     ///
     /// # Errors
     /// [`LibraryError`] when there is no such robot, its files are wrong, or the hand cannot be attached.
     pub fn robot_of(&self, scene: &Scene) -> Result<Arc<Robot>, LibraryError> {
+        let robot = self.giver_of(scene)?;
+        let Some(agent) = scene.handover.as_ref().and_then(Handover::agent) else { return Ok(robot) };
+        let Agent { model, posture, floor_m, .. } = agent;
+        let wanted = Together {
+            giver: robot.clone(),
+            model: model.clone(),
+            posture: posture.clone(),
+            X_WA: agent.X_WA(),
+            floor_m: *floor_m,
+        };
+        let mut together = lock(&self.together);
+        if let Some((_, robot)) = together.as_ref().filter(|(known, _)| known.is_same(&wanted)) {
+            return Ok(robot.clone());
+        }
+        let other = self.robot(model)?;
+        let no_posture = || LibraryError::NoPosture { robot: model.clone(), posture: posture.clone() };
+        let q = other.posture(posture).ok_or_else(no_posture)?;
+        let height_m = floor_m + other.standing_height_m(q) + STANDING_GAP_M;
+        let X_WR = wanted.X_WA * Translation3::new(0.0, 0.0, height_m);
+        let both = Arc::new(robot.beside(&other, q, model, &X_WR));
+        *together = Some((wanted, both.clone()));
+        Ok(both)
+    }
+
+    /// The robot of a scene alone.
+    fn giver_of(&self, scene: &Scene) -> Result<Arc<Robot>, LibraryError> {
         let robot = self.robot(&scene.robot)?;
         let Some(hand) = &scene.hand else { return Ok(robot) };
         let arm = scene.arm.name();
@@ -109,6 +192,16 @@ impl Library {
         let object = Arc::new(object);
         lock(&self.objects).insert(name.to_owned(), object.clone());
         Ok(object)
+    }
+}
+
+impl Together {
+    fn is_same(&self, other: &Self) -> bool {
+        let Self { giver, model, posture, X_WA, floor_m } = other;
+        Arc::ptr_eq(&self.giver, giver)
+            && (&self.model, &self.posture) == (model, posture)
+            && self.X_WA == *X_WA
+            && self.floor_m == *floor_m
     }
 }
 

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::fit::FitSettings;
 use crate::grasp::{GraspSettings, RankSettings};
+use crate::handover::Handover;
 use crate::robot::{HandDescription, HandError};
 use crate::segment::SegmentSettings;
 use crate::task::MotionSettings;
@@ -59,6 +60,9 @@ pub struct Scene {
     /// Whether a joint between the robot's base and its arms (Crichton's torso) moves with the arm.
     #[serde(default)]
     pub torso: bool,
+    /// The object goes through another hand on its way.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub handover: Option<Handover>,
     /// A hand of the user's own at the acting arm, instead of the robot's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hand: Option<HandDescription>,
@@ -73,6 +77,14 @@ pub enum ArmChoice {
 }
 
 impl ArmChoice {
+    /// The arm on the other side.
+    pub fn other(self) -> Self {
+        match self {
+            Self::Left => Self::Right,
+            Self::Right => Self::Left,
+        }
+    }
+
     /// Name of the arm's group in the SRDF.
     pub fn name(self) -> &'static str {
         match self {
@@ -313,6 +325,9 @@ impl Scene {
             "0 or more".into(),
         )?;
         self.check_grasping()?;
+        if let Some(handover) = &mut self.handover {
+            handover.check()?;
+        }
         if let Some(hand) = &self.hand {
             hand.check()?;
         }
@@ -386,7 +401,8 @@ fn check(holds: bool, place: &str, found: impl std::fmt::Debug, wanted: String) 
     if holds { Ok(()) } else { Err(SceneError::Value { place: place.to_owned(), found: format!("{found:?}"), wanted }) }
 }
 
-fn checked_pose(place: &str, X: &mut Isometry3<f64>) -> Result<(), SceneError> {
+/// A pose within the room, its rotation brought to unit length.
+pub(crate) fn checked_pose(place: &str, X: &mut Isometry3<f64>) -> Result<(), SceneError> {
     let t = X.translation.vector;
     check(t.iter().all(|c| c.abs() < MAX_COORDINATE_M), place, t, "coordinates within 10 m".into())?;
     let quaternion = *X.rotation.quaternion();

@@ -1,4 +1,4 @@
-//! `plan pick|place`: phases with joint trajectories and timings, or the refusal.
+//! `plan pick|place|handover`: phases with joint trajectories and timings, or the refusal.
 
 use std::path::{Path, PathBuf};
 
@@ -39,6 +39,8 @@ enum TaskName {
     Pick,
     /// Grasp, and move the object through the scene's steps to its goal.
     Place,
+    /// Hand the object over: to the other hand, to another robot, or to a person.
+    Handover,
 }
 
 fn format_of(file: &Path) -> Option<MotionFormat> {
@@ -57,8 +59,16 @@ fn motion_file(text: &str) -> Result<PathBuf, String> {
 
 pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
     let mut request = input::request(&args.scene, args.robot.as_deref(), common)?;
-    if args.task == TaskName::Pick {
-        request.scene.task.steps.clear();
+    match args.task {
+        TaskName::Pick => {
+            request.scene.task.steps.clear();
+            request.scene.handover = None;
+        }
+        TaskName::Place => request.scene.handover = None,
+        TaskName::Handover if request.scene.handover.is_none() => {
+            return Err(Failure::new(format!("{}: nobody receives the object in this scene", args.scene)));
+        }
+        TaskName::Handover => {}
     }
     request.scene = args.motion.apply(request.scene)?;
     if args.task == TaskName::Place && request.scene.task.steps.is_empty() {

@@ -92,7 +92,7 @@ fn along(direction: &Vector3<f64>) -> UnitQuaternion<f64> {
 impl Composer {
     pub(super) fn add_grasps(&mut self, frame: &mut Frame, input: &Content<'_>, palette: &Palette) {
         let Some(X_WO) = input.X_WO.or(input.X_WO_start) else { return };
-        let Some(arm) = input.robot.arm(input.scene.arm.name()) else { return };
+        let Some(arm) = input.robot.arm(input.arm) else { return };
         let hand = HandModel::new(input.robot, arm);
         let scale = quantity_scale(input.grasps, input.colored_by);
         let friction = input.scene.grasp.friction;

@@ -48,6 +48,7 @@ impl Picture<'_> {
         let mut content = Content {
             scene: self.scene,
             robot: self.robot,
+            arm: self.scene.arm.name(),
             q: &[],
             cloud: None,
             segment: None,
@@ -75,6 +76,7 @@ impl Picture<'_> {
                 Output::Grasps(value) => {
                     (content.X_WO_start, content.X_WO_goal) = (Some(value.X_WO_start), value.X_WO_goal);
                     content.grasps = &value.grasps;
+                    content.arm = &value.arm;
                     let quantity = self.scene.rank.by.quantity(value.X_WO_goal.is_some());
                     content.colored_by = quantity.unwrap_or(Quantity::MgStart);
                 }

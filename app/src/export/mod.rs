@@ -24,7 +24,7 @@ pub fn export_grasps(
     format: ExportFormat,
 ) -> Result<String, String> {
     let robot = assets::library().robot_of(scene).map_err(|error| error.to_string())?;
-    let arm_name = scene.arm.name();
+    let arm_name = found.arm.as_str();
     let arm = robot.arm(arm_name).ok_or_else(|| format!("{} has no {arm_name} arm", scene.robot))?;
     // What a dropped file shows has no other name than the file's.
     let object = cloud.map_or_else(|| scene.objects[scene.task.object].object.as_str(), |cloud| &cloud.name);

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use endcomfort_core::grasp::{Grasp, Quality};
 use endcomfort_core::job::{FitOutput, GraspsOutput, Output, RankOutput, SceneOutput, SegmentOutput, Stage};
+use endcomfort_core::scene::Scene;
 use endcomfort_core::task::Plan;
 use nalgebra::Isometry3;
 
@@ -51,6 +52,11 @@ pub struct Outputs {
 }
 
 impl Outputs {
+    /// Name of the arm that grasps: as it was found, or as the scene has it.
+    pub fn arm_name<'a>(&'a self, scene: &'a Scene) -> &'a str {
+        self.grasps.as_ref().map_or(scene.arm.name(), |grasps| &grasps.arm)
+    }
+
     /// Puts a result in its place and says which stage it was, if it was one.
     pub(super) fn put(&mut self, revision: u64, output: Output) -> Option<Stage> {
         fn dated<T>(revision: u64, value: T) -> Option<Dated<T>> {

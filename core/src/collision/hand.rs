@@ -101,6 +101,25 @@ impl HandChecker {
         None
     }
 
+    /// The first link of this hand, palm first, that touches a link of another hand; both hand frames in one frame, which
+    /// may be that of an object that both hold.
+    pub fn first_hit_with(&self, X_WH: &Isometry3<f64>, other: &Self, X_WH_other: &Isometry3<f64>) -> Option<Hit> {
+        let (X, X_other) = (Rigid::from_isometry(X_WH), Rigid::from_isometry(X_WH_other));
+        let others: Vec<(&(usize, Solid), Vector3<f64>)> =
+            other.parts.iter().map(|part| (part, X_other.point(&part.1.center))).collect();
+        for (link, solid) in &self.parts {
+            let center = X.point(&solid.center);
+            for ((other_link, other_solid), other_center) in &others {
+                let reach = solid.bound + other_solid.bound + CONTACT_M;
+                let close = (center - other_center).norm_squared() <= reach * reach;
+                if close && proximity(solid, &X, other_solid, &X_other, CONTACT_M, CONTACT_M) == Proximity::Touching {
+                    return Some(Hit { a: self.link_names[*link].clone(), b: other.link_names[*other_link].clone() });
+                }
+            }
+        }
+        None
+    }
+
     /// The smallest distance between the hand and the world with the hand frame H at `X_WH`; intended contacts are
     /// left out.
     pub fn distance(&self, X_WH: &Isometry3<f64>) -> Clearance {

@@ -90,7 +90,7 @@ fn halton(mut index: u32, base: u32) -> f64 {
     value
 }
 
-/// Height of whatever is under a pose: the table, or the top of the highest known box below it.
+/// Height of whatever is under a pose: the top of the highest known box below it, the table, or the floor.
 fn support_height(scene: &Scene, X_WO: &Isometry3<f64>) -> f64 {
     let p = X_WO.translation.vector;
     let tops = scene.obstacles.iter().filter_map(|obstacle| {
@@ -99,7 +99,9 @@ fn support_height(scene: &Scene, X_WO: &Isometry3<f64>) -> f64 {
         let top = obstacle.X_WB.translation.z + 0.5 * obstacle.size_m.z;
         (over && top <= p.z).then_some(top)
     });
-    tops.fold(scene.table.height_m, f64::max)
+    let table = &scene.table;
+    let over_table = (0..2).all(|axis| (p[axis] - table.center_m[axis]).abs() <= 0.5 * table.size_m[axis]);
+    tops.fold(if over_table { table.height_m } else { 0.0 }, f64::max)
 }
 
 #[cfg(test)]

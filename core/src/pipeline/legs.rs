@@ -1,5 +1,7 @@
 //! A whole task: leg after leg, each with its own grasp, and put down in between where no single grasp serves.
 
+use std::borrow::Cow;
+
 use nalgebra::Isometry3;
 
 use super::rank::{grasp_candidates, ranked};
@@ -47,7 +49,7 @@ impl TaskInput<'_> {
             rest = &rest[cell.leg().len()..];
         }
         let mut plan = assemble(cell, legs);
-        certify(cell, &mut plan)?;
+        certify(&mut plan, &|_, _| Cow::Borrowed(cell))?;
         Ok(plan)
     }
 

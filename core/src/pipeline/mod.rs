@@ -4,6 +4,7 @@
 //! since the last run is answered from memory, so moving the goal does not segment the cloud again.
 
 mod goal;
+mod handover;
 mod lab;
 mod legs;
 mod memory;

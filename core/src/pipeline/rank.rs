@@ -54,7 +54,8 @@ pub(crate) fn workcell(
         let model = crate::collision::CollisionModel::new(&robot)?;
         Ok((ik, model, obstacles(scene, fits, clusters, is_dropped)?))
     };
-    let (ik, model, world) = build().map_err(|error| refusal(&error))?;
+    let (ik, model, mut world) = build().map_err(|error| refusal(&error))?;
+    super::handover::add_surroundings(&mut world, scene)?;
     let Some(Ok(target)) = fits.fits.get(fits.target) else {
         return Err(no_fit());
     };
@@ -71,9 +72,17 @@ pub(crate) fn workcell(
         world,
         target_O,
         X_WO_start: target.superquadric.X_FS,
-        stops: super::goal::stops(scene, target, is_dropped),
+        // The goal of a handover is the receiver's.
+        stops: if scene.handover.is_some() { Vec::new() } else { super::goal::stops(scene, target, is_dropped) },
+        may_touch: Vec::new(),
         robot,
     })
+}
+
+/// The wanted pose of the object at the end of the task.
+pub(super) fn X_WO_goal(scene: &Scene, fits: &FitOutput, is_dropped: bool) -> Option<Isometry3<f64>> {
+    let target = fits.fits.get(fits.target)?.as_ref().ok()?;
+    super::goal::stops(scene, target, is_dropped).last()?.poses_WO.first().copied()
 }
 
 /// There is nothing to grasp.

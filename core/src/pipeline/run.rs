@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use super::handover::HandoverInput;
 use super::legs::TaskInput;
 use super::memory::{Memory, text};
-use super::{lab, perceive, rank};
+use super::{handover, lab, perceive, rank};
 use crate::grasp::{Grasp, RankBy};
 use crate::job::{
     FitOutput, GraspsOutput, Output, RankOutput, Refusal, Request, SceneOutput, SegmentOutput, Stage, Update,
@@ -147,9 +148,13 @@ impl Pipeline {
             return Ok(Output::Fit(fits.clone()));
         }
 
+        // From here on the scene is the acting arm's.
+        let acting = handover::acting(scene, library)?;
+        let scene = acting.as_ref();
         inputs.push(text(&(
             &scene.robot,
             scene.arm,
+            &scene.handover,
             scene.torso,
             &scene.hand,
             &scene.posture,
@@ -168,9 +173,10 @@ impl Pipeline {
         })?;
         if stage == Stage::Grasps {
             return Ok(Output::Grasps(GraspsOutput {
+                arm: cell.arm().name.clone(),
                 grasps: grasps.clone(),
                 X_WO_start: cell.X_WO_start,
-                X_WO_goal: cell.X_WO_goal(),
+                X_WO_goal: rank::X_WO_goal(scene, fits, dropped.is_some()),
             }));
         }
 
@@ -189,6 +195,15 @@ impl Pipeline {
             let Some(Ok(target)) = fits.fits.get(fits.target) else { return Err(rank::no_fit()) };
             let points = &segments.clusters[fits.target];
             let touched = || rank::touched(scene, target, points, dropped.is_some(), library);
+            if let Some(handover) = &scene.handover {
+                let wanted = |grasp: &&Grasp| request.grasp.is_none_or(|id| grasp.id == id);
+                let grasps: Vec<Grasp> = grasps.iter().filter(wanted).cloned().collect();
+                let is_dropped = dropped.is_some();
+                let (giver, grasps, touched) = (cell, grasps.as_slice(), &touched);
+                let input =
+                    HandoverInput { giver, grasps, target, touched, scene, handover, library, is_dropped };
+                return input.plan(watch);
+            }
             TaskInput { cell, ranked, chosen: request.grasp, target, touched: &touched, scene, watch }.plan()
         })?;
         Ok(Output::Plan(Box::new(plan.clone())))

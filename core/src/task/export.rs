@@ -164,6 +164,7 @@ mod tests {
             dofs: vec![0, 1, 2],
             tries: Vec::new(),
             routes: Vec::new(),
+            handover: None,
             certificate: Certificate::default(),
         }
     }

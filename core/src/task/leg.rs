@@ -125,6 +125,7 @@ pub fn assemble(cell: &Workcell, legs: Vec<LegPlan>) -> Plan {
         dofs: moving_dofs(cell).collect(),
         tries: Vec::new(),
         routes: Vec::new(),
+        handover: None,
         certificate: Certificate::default(),
     };
     let mut start_s = 0.0;

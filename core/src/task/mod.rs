@@ -1,6 +1,7 @@
 //! Tasks: from an intent ("pick it", "place it there") to a list of timed phases, or a typed refusal.
 
 mod certify;
+mod exchange;
 mod export;
 mod leg;
 mod motion;
@@ -13,7 +14,8 @@ mod ways;
 mod ways_between;
 mod workcell;
 
-pub use certify::certify;
+pub use certify::{CellOf, certify};
+pub use exchange::{Exchange, Failure, Partners, plan_exchange};
 pub use export::{TrajectoryFormat, trajectory_text};
 pub use leg::{LegPlan, LegTask, assemble, plan_leg};
 pub(crate) use motion::{STRAIGHT_STEP_M, STRAIGHT_STEP_RAD};

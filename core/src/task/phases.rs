@@ -21,7 +21,7 @@ pub(super) struct Done {
 
 /// The phases of the leg's stops with a grasp.
 pub(super) fn phases_with(mover: &Mover<'_>, grasp: &Grasp) -> Result<Done, Setback> {
-    let mut leg = LegWith { mover, grasp, drafts: Vec::new(), routes: Vec::new() };
+    let mut leg = LegWith::new(mover, grasp);
     let stops = mover.cell.leg();
     let sets: Vec<&Situated> = grasp.stops().collect();
     if sets.len() != stops.len() {
@@ -76,29 +76,35 @@ pub(super) fn phases_with(mover: &Mover<'_>, grasp: &Grasp) -> Result<Done, Setb
 }
 
 /// Ways to take the object where it stands.
-struct Grips {
+pub(super) struct Grips {
     approaching: ArmSpace,
     lifting: ArmSpace,
-    ways: Vec<Ways>,
+    pub(super) ways: Vec<Ways>,
 }
 
 /// Ways to bring it to a stop.
-struct Arrivals {
+pub(super) struct Arrivals {
     /// With the object in the hand, at the stop.
-    holding: ArmSpace,
+    pub(super) holding: ArmSpace,
     /// With the open hand beside it.
-    leaving: ArmSpace,
-    ways: Vec<Ways>,
+    pub(super) leaving: ArmSpace,
+    pub(super) ways: Vec<Ways>,
 }
 
-struct LegWith<'a> {
+/// What one arm does with one grasp, phase by phase.
+pub(super) struct LegWith<'a> {
     mover: &'a Mover<'a>,
     grasp: &'a Grasp,
-    drafts: Vec<Draft>,
+    pub(super) drafts: Vec<Draft>,
     routes: Vec<Route>,
 }
 
-impl LegWith<'_> {
+impl<'a> LegWith<'a> {
+    /// Nothing done yet.
+    pub(super) fn new(mover: &'a Mover<'a>, grasp: &'a Grasp) -> Self {
+        Self { mover, grasp, drafts: Vec::new(), routes: Vec::new() }
+    }
+
     fn space(&self, phase: PhaseKind, situation: Result<Situation, CollisionError>) -> Result<ArmSpace, Setback> {
         let cell = self.mover.cell;
         let checker = situation.and_then(|situation| cell.checker(&situation));
@@ -106,12 +112,12 @@ impl LegWith<'_> {
         space.map_err(|error| Setback::of(phase, &error))
     }
 
-    fn carrying(&self, phase: PhaseKind, at: &[Isometry3<f64>]) -> Result<ArmSpace, Setback> {
+    pub(super) fn carrying(&self, phase: PhaseKind, at: &[Isometry3<f64>]) -> Result<ArmSpace, Setback> {
         let cell = self.mover.cell;
         self.space(phase, cell.carrying(self.grasp, &cell.all_supports(at)))
     }
 
-    fn empty_handed(&self, phase: PhaseKind, X_WO: &Isometry3<f64>) -> Result<ArmSpace, Setback> {
+    pub(super) fn empty_handed(&self, phase: PhaseKind, X_WO: &Isometry3<f64>) -> Result<ArmSpace, Setback> {
         self.space(phase, self.mover.cell.approaching(X_WO))
     }
 
@@ -121,19 +127,19 @@ impl LegWith<'_> {
     }
 
     /// Where the arm is before the leg.
-    fn arm_start(&self) -> Vec<f64> {
+    pub(super) fn arm_start(&self) -> Vec<f64> {
         let cell = self.mover.cell;
         cell.arm().dofs.iter().map(|&dof| cell.q_start[dof]).collect()
     }
 
     /// Moves the arm along a path as one phase.
-    fn along(&mut self, kind: PhaseKind, space: &ArmSpace, path: &Path, carries: bool) -> Result<(), Setback> {
+    pub(super) fn along(&mut self, kind: PhaseKind, space: &ArmSpace, path: &Path, carries: bool) -> Result<(), Setback> {
         let draft = self.draft(kind, [space, space], path, carries)?;
         self.drafts.push(draft);
         Ok(())
     }
 
-    fn draft(&self, kind: PhaseKind, spaces: [&ArmSpace; 2], path: &Path, carries: bool) -> Result<Draft, Setback> {
+    pub(super) fn draft(&self, kind: PhaseKind, spaces: [&ArmSpace; 2], path: &Path, carries: bool) -> Result<Draft, Setback> {
         let fingers = if carries { &self.grasp.closed } else { &self.mover.cell.hand.open };
         self.mover.along(kind, spaces, path, fingers, carries).map_err(|blocked| blocked.in_phase(kind, carries))
     }
@@ -161,7 +167,7 @@ impl LegWith<'_> {
     }
 
     /// Reach to one of the configurations that have ways, and close; which one it is.
-    fn reach_and_close(
+    pub(super) fn reach_and_close(
         &mut self,
         approaching: &ArmSpace,
         holding: &ArmSpace,
@@ -187,13 +193,13 @@ impl LegWith<'_> {
         Ok(chosen)
     }
 
-    fn open_and_retreat(&mut self, leaving: &ArmSpace, q: &[f64], back: &Path) -> Result<(), Setback> {
+    pub(super) fn open_and_retreat(&mut self, leaving: &ArmSpace, q: &[f64], back: &Path) -> Result<(), Setback> {
         let (open, closed) = (&self.mover.cell.hand.open, &self.grasp.closed);
         self.drafts.push(self.mover.fingers(PhaseKind::Open, leaving, q, closed, open));
         self.along(PhaseKind::Retreat, leaving, back, false)
     }
 
-    fn grips(&self) -> Result<Grips, Setback> {
+    pub(super) fn grips(&self) -> Result<Grips, Setback> {
         let X_WO = self.mover.cell.X_WO_start;
         let approaching = self.empty_handed(PhaseKind::Reach, &X_WO)?;
         let lifting = self.carrying(PhaseKind::Lift, &[X_WO])?;
@@ -205,7 +211,7 @@ impl LegWith<'_> {
     }
 
     /// Reach to one of the chosen configurations, close, lift; where the arm is then.
-    fn take(&mut self, grips: &Grips, choices: &[usize]) -> Result<Vec<f64>, Setback> {
+    pub(super) fn take(&mut self, grips: &Grips, choices: &[usize]) -> Result<Vec<f64>, Setback> {
         let Grips { approaching, lifting, ways } = grips;
         let ways: Vec<&Ways> = choices.iter().map(|&index| &ways[index]).collect();
         let chosen = self.reach_and_close(approaching, lifting, &ways)?;
@@ -213,7 +219,7 @@ impl LegWith<'_> {
         Ok(ways[chosen].entry().to_vec())
     }
 
-    fn arrivals(&self, stop: &Stop, set: &Situated, near: Option<&[f64]>) -> Result<Arrivals, Setback> {
+    pub(super) fn arrivals(&self, stop: &Stop, set: &Situated, near: Option<&[f64]>) -> Result<Arrivals, Setback> {
         let X_WO = set.X_WO;
         let leaving = self.empty_handed(PhaseKind::Retreat, &X_WO)?;
         let is_poured = matches!(stop.action, Action::Pour { .. });
@@ -247,7 +253,7 @@ impl LegWith<'_> {
     }
 
     /// A way from one of the places, over one of which it is held, to one where it shall go.
-    fn transport(&mut self, stop: &Stop, from: &[Vec<f64>], ways: &[Ways]) -> Result<Found, Setback> {
+    pub(super) fn transport(&mut self, stop: &Stop, from: &[Vec<f64>], ways: &[Ways]) -> Result<Found, Setback> {
         let mut carrying = self.carrying(PhaseKind::Transport, &[])?;
         if let Some(max_tilt_rad) = stop.keep_upright_rad {
             carrying = carrying.keeping_upright(self.upright(max_tilt_rad)?);

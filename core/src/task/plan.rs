@@ -4,6 +4,7 @@ use nalgebra::{Isometry3, Point3};
 use serde::{Deserialize, Serialize};
 
 use crate::grasp::Grasp;
+use crate::handover::HandoverReport;
 use crate::plan::Trajectory;
 use crate::robot::Robot;
 
@@ -24,6 +25,9 @@ pub struct Plan {
     pub tries: Vec<Try>,
     /// Routes of the hand that were looked at ([`super::Planner::Routes`]).
     pub routes: Vec<Route>,
+    /// How the place of the handover was chosen, if the object is handed over.
+    #[serde(default)]
+    pub handover: Option<Box<HandoverReport>>,
     /// How the trajectories were checked once more.
     pub certificate: Certificate,
 }
@@ -121,6 +125,12 @@ pub struct Try {
     pub q: Vec<f64>,
     /// Whether the hand carried the object there.
     pub carries: bool,
+    /// Name of the arm, if it is not the one that the scene names.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub arm: Option<String>,
+    /// Where the object stood, if neither at its start nor at its goal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub X_WO: Option<Isometry3<f64>>,
 }
 
 impl std::fmt::Display for Try {

@@ -51,6 +51,6 @@ impl Setback {
         if !q.is_empty() {
             q.extend_from_slice(fingers);
         }
-        Try { grasp: Some(grasp), phase: Some(phase), reason, culprits, q, carries }
+        Try { grasp: Some(grasp), phase: Some(phase), reason, culprits, q, carries, arm: None, X_WO: None }
     }
 }

@@ -44,6 +44,8 @@ pub struct Workcell {
     pub X_WO_start: Isometry3<f64>,
     /// Places that O goes to, one after the other.
     pub stops: Vec<Stop>,
+    /// Contacts that are intended besides those of the acting hand: of another hand that holds the object.
+    pub may_touch: Vec<MayTouch>,
 }
 
 /// A place that the object goes to.
@@ -153,7 +155,7 @@ impl Workcell {
         }
         let links = &self.arm().hand.links;
         let contact = |&link: &usize| MayTouch { a: Party::Link(link), b: Party::Obstacle(TARGET.into()), depth_m };
-        let may_touch = links.iter().map(contact).collect();
+        let may_touch = links.iter().map(contact).chain(self.may_touch.iter().cloned()).collect();
         Ok(Situation { world, carried: None, may_touch, q_rest: self.q_with_fingers(fingers) })
     }
 
@@ -167,7 +169,11 @@ impl Workcell {
         Ok(Situation {
             world: self.world.clone(),
             carried: Some(carried),
-            may_touch: resting.iter().map(|name| MayTouch::carried(name, REST_DEPTH_M)).collect(),
+            may_touch: resting
+                .iter()
+                .map(|name| MayTouch::carried(name, REST_DEPTH_M))
+                .chain(self.may_touch.iter().cloned())
+                .collect(),
             q_rest: self.q_with_fingers(&grasp.closed),
         })
     }

@@ -54,6 +54,7 @@ pub(super) fn scene(name: &str, title: &str, summary: &str, robot: &str) -> Arc<
         rank: RankSettings::default(),
         motion: MotionSettings::default(),
         torso: false,
+        handover: None,
         hand: None,
     })
 }
@@ -176,6 +177,7 @@ pub(super) fn outputs() -> Vec<(f64, Output)> {
         (
             14.0,
             Output::Grasps(GraspsOutput {
+                arm: "right".to_owned(),
                 grasps: handled,
                 X_WO_start: Isometry3::translation(0.6, -0.2, 0.81),
                 X_WO_goal: Some(Isometry3::translation(0.62, 0.24, 0.81)),
@@ -392,6 +394,7 @@ fn plan(grasp: Grasp) -> Plan {
         dofs,
         tries: tries(&waves(6.0)),
         routes: routes(),
+        handover: None,
         certificate: Certificate { states: 1640, density: 4 },
     }
 }
@@ -416,6 +419,8 @@ pub(super) fn tries(q: &[f64]) -> Vec<Try> {
         culprits: culprits.map(str::to_owned).to_vec(),
         q: q.to_vec(),
         carries,
+        arm: None,
+        X_WO: None,
     })
     .to_vec()
 }

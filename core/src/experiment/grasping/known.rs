@@ -111,6 +111,7 @@ pub(super) fn scene(robot: &str, arm: ArmChoice, object: &KnownObject, X_WO: Iso
         motion: Default::default(),
         rank: Default::default(),
         torso: false,
+        handover: None,
         hand: None,
     }
 }

@@ -120,6 +120,8 @@ mod tests {
             culprits: Vec::new(),
             q: Vec::new(),
             carries: false,
+            arm: None,
+            X_WO: None,
         };
         let tries = [
             tried(1, Some(PhaseKind::Place)),

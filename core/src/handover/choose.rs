@@ -1,0 +1,201 @@
+//! Choosing the place of a handover and the two grasps: everything but the motions.
+
+use nalgebra::{Isometry3, Vector3};
+
+use super::Comfort;
+use super::places::{Spot, SpotPose, Way, spots};
+use super::settings::PlaceChoice;
+use super::side::{Held, Side};
+use crate::parallel;
+
+/// Spots that are looked at in one go; within one the answers do not depend on each other.
+const AT_ONCE: usize = 32;
+/// Most spots that are looked at.
+const MOST_SPOTS: usize = 4000;
+/// Receiver's grasps that are tried at one spot, and of a spot for the object, giver's as well.
+const TRIED_GRASPS: usize = 16;
+/// Places nearer to each other than this are one, metres.
+const APART_M: f64 = 0.075;
+/// What the hand along the line of the shoulders, the giver's manipulability and a person's discomfort count for, the
+/// receiver's manipulability (its share of the best) counting for 1.
+const LINE_WEIGHT: f64 = 0.3;
+const GIVER_WEIGHT: f64 = 0.2;
+const COMFORT_WEIGHT: f64 = 1.0;
+/// Configurations of an arm that are kept.
+const KEPT: usize = 6;
+
+/// A place at which both can hold the object.
+pub(super) struct Choice {
+    pub(super) spot: Spot,
+    pub(super) X_WO: Isometry3<f64>,
+    /// Indices of the candidates of giver and receiver.
+    pub(super) candidates: [usize; 2],
+    /// Configurations of the arms, the most manipulable first.
+    pub(super) q: [Vec<Vec<f64>>; 2],
+    pub(super) m_g: [f64; 2],
+    pub(super) off_line_rad: f64,
+    pub(super) comfort: Option<Comfort>,
+    pub(super) score: f64,
+}
+
+/// What a receiver's arm posture costs it, if it is a person: its joints.
+pub(super) type Cost<'a> = dyn Fn(&[f64]) -> Option<Comfort> + Sync + 'a;
+
+/// Places in the order of their score, and how many voxels both reach.
+pub(super) struct Choices {
+    pub(super) choices: Vec<Choice>,
+    pub(super) voxels: usize,
+    /// Spots that were looked at.
+    pub(super) looked_at: usize,
+}
+
+/// Looks at one spot after the other until enough places are found.
+pub(super) fn choose(
+    giver: &Side<'_>,
+    receiver: &Side<'_>,
+    way: &Way,
+    settings: &PlaceChoice,
+    cost: &Cost<'_>,
+    should_stop: &(dyn Fn() -> bool + Sync),
+) -> Choices {
+    let (spots, voxels) = spots(giver, receiver, way, settings);
+    let pairs = Pairs::new(giver, receiver);
+    let look = Look { giver, receiver, pairs: &pairs, settings, cost };
+    let mut choices: Vec<Choice> = Vec::new();
+    let mut looked_at = 0;
+    for some in spots[..spots.len().min(MOST_SPOTS)].chunks(AT_ONCE) {
+        if choices.len() >= settings.places || should_stop() {
+            break;
+        }
+        looked_at += some.len();
+        for choice in parallel::map(some, |spot| look.at(spot)).into_iter().flatten() {
+            let near = |known: &Choice| (known.spot.voxel - choice.spot.voxel).norm() < APART_M;
+            match choices.iter_mut().find(|known| near(known)) {
+                Some(known) if known.score < choice.score => *known = choice,
+                Some(_) => {}
+                None => choices.push(choice),
+            }
+        }
+    }
+    // A stable sort: equal ones stay in the order in which they were found.
+    choices.sort_by(|l, r| r.score.total_cmp(&l.score));
+    choices.truncate(settings.places);
+    Choices { choices, voxels, looked_at }
+}
+
+/// Which grasps of the two sides leave room for each other.
+struct Pairs {
+    free: Vec<bool>,
+    receivers: usize,
+}
+
+impl Pairs {
+    fn new(giver: &Side<'_>, receiver: &Side<'_>) -> Self {
+        let free = parallel::map(&giver.candidates, |give| {
+            let others = receiver.candidates.iter();
+            let free = others.map(|take| give.hand.first_hit_with(&give.grasp.X_OH, &take.hand, &take.grasp.X_OH));
+            free.map(|hit| hit.is_none()).collect::<Vec<bool>>()
+        });
+        Self { free: free.concat(), receivers: receiver.candidates.len() }
+    }
+
+    fn have_room(&self, give: usize, take: usize) -> bool {
+        self.free[give * self.receivers + take]
+    }
+}
+
+struct Look<'a> {
+    giver: &'a Side<'a>,
+    receiver: &'a Side<'a>,
+    pairs: &'a Pairs,
+    settings: &'a PlaceChoice,
+    cost: &'a Cost<'a>,
+}
+
+impl Look<'_> {
+    /// The best pair of grasps at a spot.
+    fn at(&self, spot: &Spot) -> Option<Choice> {
+        match &spot.pose {
+            SpotPose::ReceiverHand(X_WH) => {
+                // The arm is the same for all grasps of this hand pose; only the closed fingers differ.
+                let held = self.receiver.configurations(X_WH)?;
+                let takes = 0..self.receiver.candidates.len();
+                let free = takes.filter(|&take| self.receiver.candidates[take].hand.first_hit(X_WH).is_none());
+                free.take(TRIED_GRASPS).find_map(|take| {
+                    let X_WO = X_WH * self.receiver.candidates[take].grasp.X_OH.inverse();
+                    let (give, given) = self.best_giver(&X_WO, take)?;
+                    Some(self.choice(spot, X_WO, [give, take], given, &held))
+                })
+            }
+            SpotPose::Object(X_WO) => {
+                let mut takes: Vec<(usize, Held)> = Vec::new();
+                for (take, candidate) in self.receiver.candidates.iter().enumerate() {
+                    let held = self.receiver.held(candidate, &(X_WO * candidate.grasp.X_OH));
+                    takes.extend(held.map(|held| (take, held)));
+                }
+                takes.sort_by(|l, r| r.1.m_g.total_cmp(&l.1.m_g));
+                takes.into_iter().take(TRIED_GRASPS).find_map(|(take, held)| {
+                    let (give, given) = self.best_giver(X_WO, take)?;
+                    Some(self.choice(spot, *X_WO, [give, take], given, &held))
+                })
+            }
+        }
+    }
+
+    /// The giver's most manipulable grasp that leaves room for the receiver's.
+    fn best_giver(&self, X_WO: &Isometry3<f64>, take: usize) -> Option<(usize, Held)> {
+        if self.giver.cell.object_hits(X_WO).is_some() {
+            return None;
+        }
+        let gives = (0..self.giver.candidates.len()).filter(|&give| self.pairs.have_room(give, take));
+        let mut best: Option<(usize, Held)> = None;
+        let mut found = 0;
+        for give in gives {
+            let candidate = &self.giver.candidates[give];
+            let Some(held) = self.giver.held(candidate, &(X_WO * candidate.grasp.X_OH)) else { continue };
+            found += 1;
+            if best.as_ref().is_none_or(|(_, known)| known.m_g < held.m_g) {
+                best = Some((give, held));
+            }
+            if found == KEPT {
+                break;
+            }
+        }
+        best
+    }
+
+    fn choice(&self, spot: &Spot, X_WO: Isometry3<f64>, candidates: [usize; 2], give: Held, take: &Held) -> Choice {
+        let taking = &self.receiver.candidates[candidates[1]].grasp;
+        let approach = X_WO * taking.X_OH * Vector3::z();
+        let line = self.giver.shoulder() - self.receiver.shoulder();
+        let off_line_rad = approach.angle(&line);
+        let mut q_take: Vec<Vec<f64>> = take.q.iter().take(KEPT).cloned().collect();
+        let mut comfort = None;
+        if self.settings.receiver_first {
+            // A person takes the posture that costs least.
+            let mut costs: Vec<(f64, Option<Comfort>, Vec<f64>)> = take
+                .q
+                .iter()
+                .map(|q| {
+                    let comfort = (self.cost)(q);
+                    (comfort.as_ref().map_or(0.0, |comfort| comfort.total), comfort, q.clone())
+                })
+                .collect();
+            costs.sort_by(|l, r| l.0.total_cmp(&r.0));
+            comfort = costs.first().and_then(|(_, comfort, _)| comfort.clone());
+            q_take = costs.into_iter().take(KEPT).map(|(_, _, q)| q).collect();
+        } else if let Some(q) = q_take.first() {
+            comfort = (self.cost)(q);
+        }
+        let m_g = [give.m_g, take.m_g];
+        let score = if self.settings.receiver_first {
+            take.m_g / self.receiver.most_of_arm() + LINE_WEIGHT * 0.5 * (1.0 + libm::cos(off_line_rad))
+                + GIVER_WEIGHT * give.m_g / self.giver.most_of_arm()
+                - COMFORT_WEIGHT * comfort.as_ref().map_or(0.0, |comfort| comfort.total)
+        } else {
+            -spot.off_way_m
+        };
+        let q = [give.q.into_iter().take(KEPT).collect(), q_take];
+        Choice { spot: spot.clone(), X_WO, candidates, q, m_g, off_line_rad, comfort, score }
+    }
+}

@@ -1,0 +1,153 @@
+//! From two arms, their maps and their grasps to a planned handover, or the reasons why there is none.
+
+use std::borrow::Cow;
+
+use nalgebra::{Isometry3, Translation3};
+
+use super::choose::{Choice, Choices, Cost, choose};
+use super::places::Way;
+use super::report::{HandoverReport, Place};
+use super::settings::PlaceChoice;
+use super::side::{EndKind, Side};
+use crate::grasp::Grasp;
+use crate::job::Refusal;
+use crate::reach::ReachMap;
+use crate::task::{Exchange, Failure, MotionSettings, Partners, Plan, Try, certify, plan_exchange};
+use crate::watch::Watch;
+
+/// Configurations of the receiver's arm that are tried at one place.
+const TRIED_POSTURES: usize = 2;
+
+/// What is asked for.
+pub struct HandoverTask<'a> {
+    /// Both arms on one robot; the giver's workcell has the object at its start, the receiver's has its goal as the last
+    /// stop, if there is one.
+    pub partners: &'a Partners,
+    /// Candidate grasps of giver and receiver, situated nowhere.
+    pub grasps: [&'a [Grasp]; 2],
+    /// Maps of their arms.
+    pub maps: [&'a ReachMap; 2],
+    /// The receiver lets the object go at its goal.
+    pub lets_go: bool,
+    /// How the place is chosen.
+    pub choice: &'a PlaceChoice,
+    /// How the arms move.
+    pub motion: &'a MotionSettings,
+    /// What a posture of the receiver's arm costs a person.
+    pub cost: &'a Cost<'a>,
+    /// Seed of the searches.
+    pub seed: u64,
+}
+
+/// Plans a handover at the best of the places that allow it.
+///
+/// # Errors
+/// A [`Refusal`] that says which side has no grasp, that there is no place, or at which phase each place failed.
+pub fn plan_handover(task: &HandoverTask<'_>, watch: Watch<'_>) -> Result<Plan, Refusal> {
+    let Partners { giver, receiver } = task.partners;
+    let goal = receiver.X_WO_goal();
+    let refuse = |error: &dyn std::error::Error| Refusal::new(error.to_string());
+    let start = Some((giver.X_WO_start, EndKind::Start));
+    let give = Side::new(giver, task.maps[0], task.grasps[0], start).map_err(|error| refuse(&error))?;
+    let end = goal.map(|X_WO| (X_WO, EndKind::Goal));
+    let take = Side::new(receiver, task.maps[1], task.grasps[1], end).map_err(|error| refuse(&error))?;
+    for (side, end, of) in [(&give, "start", task.grasps[0]), (&take, "goal", task.grasps[1])] {
+        if side.candidates.is_empty() {
+            let arm = &side.cell.arm().name;
+            let message = format!("none of the {} grasps of the {arm} arm serves the {end}", of.len());
+            return Err(Refusal::new(message));
+        }
+    }
+    // Without a goal the object is drawn to the receiver.
+    let towards = || Isometry3::from_parts(Translation3::from(take.shoulder().coords), giver.X_WO_start.rotation);
+    let way = Way { X_WO_start: giver.X_WO_start, X_WO_goal: goal.unwrap_or_else(towards) };
+    let found = choose(&give, &take, &way, task.choice, task.cost, &|| watch.should_stop());
+    if watch.should_stop() {
+        return Err(Refusal::new("stopped"));
+    }
+    if found.choices.is_empty() {
+        return Err(no_place(&give, &take, &found));
+    }
+    let mut refused: Vec<Option<String>> = vec![None; found.choices.len()];
+    let mut tries: Vec<Try> = Vec::new();
+    for (index, choice) in found.choices.iter().enumerate().take(task.motion.max_grasps) {
+        for q_take in choice.q[1].iter().take(TRIED_POSTURES) {
+            if watch.should_stop() {
+                return Err(Refusal::new("stopped"));
+            }
+            let exchange = Exchange {
+                partners: task.partners,
+                give: &give.candidates[choice.candidates[0]].grasp,
+                take: &take.candidates[choice.candidates[1]].grasp,
+                X_WO: choice.X_WO,
+                q_give: &choice.q[0],
+                q_take,
+                lets_go: task.lets_go,
+                hand_speed_m_s: task.choice.hand_speed_m_s,
+                seed: task.seed,
+            };
+            match plan_exchange(&exchange, task.motion, watch) {
+                Ok(mut plan) => {
+                    certify(&mut plan, &|plan, phase| Cow::Owned(task.partners.during(plan, phase)))?;
+                    plan.tries = tries;
+                    let places = found.choices.iter().zip(refused);
+                    let places = places.map(|(choice, refused)| place(choice, [&give, &take], refused)).collect();
+                    plan.handover = Some(Box::new(HandoverReport {
+                        arms: [&give, &take].map(|side| side.cell.arm().name.clone()),
+                        shoulders: [give.shoulder(), take.shoulder()],
+                        voxel_m: take.map.voxel_m(),
+                        grasps: [give.candidates.len(), take.candidates.len()],
+                        voxels: found.voxels,
+                        places,
+                        chosen: index,
+                    }));
+                    return Ok(plan);
+                }
+                Err(failure) => {
+                    let Failure { leg, tried } = *failure;
+                    let who = [giver, receiver][leg].arm().name.clone();
+                    refused[index].get_or_insert_with(|| format!("{who}: {tried}"));
+                    tries.push(Try { arm: Some(who), X_WO: Some(choice.X_WO), ..tried });
+                }
+            }
+        }
+    }
+    let count = refused.iter().flatten().count();
+    let message = format!("no handover: {count} of {} places tried, none of them worked", found.choices.len());
+    let details = tries.iter().map(|tried| format!("{}: {tried}", tried.arm.as_deref().unwrap_or_default())).collect();
+    Err(Refusal { message, details, tries })
+}
+
+fn place(choice: &Choice, sides: [&Side<'_>; 2], refused: Option<String>) -> Place {
+    let id = |k: usize| sides[k].candidates[choice.candidates[k]].grasp.id;
+    Place {
+        voxel: choice.spot.voxel,
+        X_WO: choice.X_WO,
+        grasps: [id(0), id(1)],
+        m_g: choice.m_g,
+        off_line_rad: choice.off_line_rad,
+        off_way_m: choice.spot.off_way_m,
+        comfort: choice.comfort.clone(),
+        score: choice.score,
+        refused,
+    }
+}
+
+fn no_place(give: &Side<'_>, take: &Side<'_>, found: &Choices) -> Refusal {
+    let names = [&give.cell.arm().name, &take.cell.arm().name];
+    let apart_m = (give.shoulder() - take.shoulder()).norm();
+    if found.voxels == 0 {
+        let [giver, receiver] = names;
+        return Refusal::new(format!(
+            "the {giver} and the {receiver} arm reach no place together: their shoulders are {apart_m:.2} m apart"
+        ));
+    }
+    let message = format!(
+        "no place for a handover: {} places in {} voxels that both hands reach were looked at",
+        found.looked_at, found.voxels
+    );
+    let [giver, receiver] = [give, take].map(|side| side.candidates.len());
+    let details =
+        vec![format!("{giver} grasps of the {} arm, {receiver} of the {} arm in each", names[0], names[1])];
+    Refusal::new(message).with_details(details)
+}

@@ -1,0 +1,397 @@
+//! The motions of a handover: the giver takes the object and presents it, the receiver grasps it, and only then the giver
+//! lets go and draws back; the receiver brings the object to its goal (thesis chapter 6: two pick-and-place problems).
+//!
+//! One arm moves at a time. What the other one does meanwhile, where it is and whether it holds the object, is part of
+//! the workcell in which each act is planned, walked again and drawn.
+
+use nalgebra::{Isometry3, Vector3};
+
+use super::motion::{Draft, Mover, joined};
+use super::phases::LegWith;
+use super::setback::{Blocked, Setback};
+use super::ways::Ways;
+use super::ways_between::RoadmapOnce;
+use super::{Leg, MotionSettings, Phase, PhaseKind, Plan, Stop, TARGET, Try, Workcell};
+use crate::collision::{MayTouch, Party};
+use crate::grasp::{Grasp, Situated};
+use crate::plan::{ArmSpace, Path};
+use crate::watch::Watch;
+
+/// Times that a motion is timed anew until the hand is slow enough.
+const MOST_ROUNDS: usize = 4;
+
+/// Both sides of a handover, on one robot that has both arms.
+#[derive(Clone)]
+pub struct Partners {
+    /// The arm that gives: the object at its start, obstacles that only it has to keep away from included.
+    pub giver: Workcell,
+    /// The arm that receives.
+    pub receiver: Workcell,
+}
+
+/// A handover to plan.
+pub struct Exchange<'a> {
+    /// Who.
+    pub partners: &'a Partners,
+    /// The giver's grasp, situated at the object's start.
+    pub give: &'a Grasp,
+    /// The receiver's grasp; its `goal` is its set there, if there is a goal.
+    pub take: &'a Grasp,
+    /// Pose of the object in the world at the handover.
+    pub X_WO: Isometry3<f64>,
+    /// Configurations of the giver's arm that present it there, best first.
+    pub q_give: &'a [Vec<f64>],
+    /// Configuration of the receiver's arm that takes it there.
+    pub q_take: &'a [f64],
+    /// The object is put down at the receiver's goal and let go; otherwise held there.
+    pub lets_go: bool,
+    /// Top speed of the giver's hand while it presents the object, m/s.
+    pub hand_speed_m_s: f64,
+    /// Seed of the searches.
+    pub seed: u64,
+}
+
+/// An arm with its hand at one time: the columns of a plan that are its own.
+#[derive(Clone)]
+struct Posed {
+    arm: Vec<f64>,
+    fingers: Vec<f64>,
+}
+
+impl Posed {
+    fn columns(&self) -> impl Iterator<Item = f64> + '_ {
+        self.arm.iter().chain(&self.fingers).copied()
+    }
+}
+
+/// Which leg a phase belongs to.
+const GIVE: usize = 0;
+const TAKE: usize = 1;
+
+impl Partners {
+    /// The workcell in which a phase of a plan happens: of the arm that moves, the other one being where it is then.
+    pub fn during(&self, plan: &Plan, phase: usize) -> Workcell {
+        let q = plan.state_at(plan.phases[phase].start_s).q;
+        let [mover, other] = if plan.phases[phase].leg == GIVE {
+            [&self.giver, &self.receiver]
+        } else {
+            [&self.receiver, &self.giver]
+        };
+        beside(mover, other, q)
+    }
+
+    /// All joints at the beginning: both hands open.
+    fn q_start(&self) -> Vec<f64> {
+        let mut q = self.giver.q_with_fingers(&self.giver.hand.open);
+        set_fingers(&mut q, &self.receiver, &self.receiver.hand.open);
+        q
+    }
+
+    fn dofs(&self) -> Vec<usize> {
+        [&self.giver, &self.receiver].into_iter().flat_map(dofs_of).collect()
+    }
+}
+
+/// A side's workcell while the other arm is where `q` says, and may hold the object.
+fn beside(mover: &Workcell, other: &Workcell, q: Vec<f64>) -> Workcell {
+    let held = |b: fn() -> Party| {
+        let links = &other.arm().hand.links;
+        links.iter().map(move |&link| MayTouch { a: Party::Link(link), b: b(), depth_m: f64::INFINITY })
+    };
+    let object = || Party::Obstacle(TARGET.to_owned());
+    let may_touch = mover.may_touch.iter().cloned().chain(held(object)).chain(held(|| Party::Carried)).collect();
+    Workcell { q_start: q, may_touch, ..mover.clone() }
+}
+
+fn dofs_of(cell: &Workcell) -> Vec<usize> {
+    cell.arm().dofs.iter().chain(cell.arm().hand.fingers.iter().flatten()).copied().collect()
+}
+
+fn set_fingers(q: &mut [f64], cell: &Workcell, fingers: &[f64]) {
+    for (&dof, &position) in cell.arm().hand.fingers.iter().flatten().zip(fingers) {
+        q[dof] = position;
+    }
+}
+
+fn posed(q: &[f64], cell: &Workcell, fingers: &[f64]) -> Posed {
+    Posed { arm: cell.arm().dofs.iter().map(|&dof| q[dof]).collect(), fingers: fingers.to_vec() }
+}
+
+/// Puts an arm and its hand into all joints.
+fn put(q: &mut [f64], cell: &Workcell, posed: &Posed) {
+    for (dof, position) in dofs_of(cell).into_iter().zip(posed.columns()) {
+        q[dof] = position;
+    }
+}
+
+/// What the acts have made so far.
+struct Timeline {
+    phases: Vec<Phase>,
+    /// Giver, receiver.
+    now: [Posed; 2],
+    end_s: f64,
+}
+
+impl Timeline {
+    /// Appends an act of one side; the other stands still.
+    fn push(&mut self, leg: usize, drafts: Vec<Draft>) {
+        let arm_joints = self.now[leg].arm.len();
+        for Draft { kind, mut trajectory, carries, manipulability, clearance_m, closest } in drafts {
+            if let Some(last) = trajectory.positions.last() {
+                let (arm, fingers) = last.split_at(arm_joints);
+                self.now[leg] = Posed { arm: arm.to_vec(), fingers: fingers.to_vec() };
+            }
+            let still: Vec<f64> = self.now[1 - leg].columns().collect();
+            for q in &mut trajectory.positions {
+                let at = if leg == GIVE { q.len() } else { 0 };
+                q.splice(at..at, still.iter().copied());
+            }
+            let phase =
+                Phase { kind, leg, start_s: self.end_s, trajectory, carries, manipulability, clearance_m, closest };
+            self.end_s += phase.trajectory.duration_s();
+            self.phases.push(phase);
+        }
+    }
+}
+
+/// The phase of a leg that could not be done.
+pub struct Failure {
+    /// Leg of the handover: 0 gives, 1 takes.
+    pub leg: usize,
+    /// What was tried.
+    pub tried: Try,
+}
+
+/// Plans all motions of a handover.
+///
+/// # Errors
+/// The first phase that cannot be done, and why.
+pub fn plan_exchange(
+    exchange: &Exchange<'_>,
+    settings: &MotionSettings,
+    watch: Watch<'_>,
+) -> Result<Plan, Box<Failure>> {
+    let Partners { giver, receiver } = exchange.partners;
+    let failed = |leg: usize, setback: Setback| {
+        let (cell, grasp) = if leg == GIVE { (giver, exchange.give) } else { (receiver, exchange.take) };
+        let fingers = if setback.carries { &grasp.closed } else { &cell.hand.open };
+        Box::new(Failure { leg, tried: setback.told(grasp.id, fingers) })
+    };
+    let q_start = exchange.partners.q_start();
+    let rest = [posed(&q_start, giver, &giver.hand.open), posed(&q_start, receiver, &receiver.hand.open)];
+    let mut timeline = Timeline { phases: Vec::new(), now: rest.clone(), end_s: 0.0 };
+    let act = Act { exchange, settings, watch };
+
+    let (drafts, back) = act.present(&rest).map_err(|setback| failed(GIVE, setback))?;
+    timeline.push(GIVE, drafts);
+    let drafts = act.take(&timeline.now).map_err(|setback| failed(TAKE, setback))?;
+    timeline.push(TAKE, drafts);
+    let drafts = act.draw_back(&timeline.now, &back, &rest[GIVE].arm).map_err(|setback| failed(GIVE, setback))?;
+    timeline.push(GIVE, drafts);
+    let (drafts, X_WO_end) = act.bring(&timeline.now, &rest[TAKE].arm).map_err(|setback| failed(TAKE, setback))?;
+    timeline.push(TAKE, drafts);
+
+    let leg = |cell: &Workcell, grasp: &Grasp, X_WO_start, X_WO_end| Leg {
+        arm: cell.arm().name.clone(),
+        tcp_link: cell.arm().hand.tcp_link,
+        grasp: grasp.clone(),
+        X_WO_start,
+        X_WO_end,
+    };
+    Ok(Plan {
+        legs: vec![
+            leg(giver, exchange.give, giver.X_WO_start, exchange.X_WO),
+            leg(receiver, exchange.take, exchange.X_WO, X_WO_end),
+        ],
+        phases: timeline.phases,
+        q_start,
+        dofs: exchange.partners.dofs(),
+        tries: Vec::new(),
+        routes: Vec::new(),
+        handover: None,
+        certificate: super::Certificate::default(),
+    })
+}
+
+/// What all acts of a handover share.
+struct Act<'a> {
+    exchange: &'a Exchange<'a>,
+    settings: &'a MotionSettings,
+    watch: Watch<'a>,
+}
+
+impl<'a> Act<'a> {
+    fn mover<'c>(&self, cell: &'c Workcell, settings: &'c MotionSettings) -> Mover<'c>
+    where
+        'a: 'c,
+    {
+        Mover { cell, settings, seed: self.exchange.seed, roadmap: RoadmapOnce::default(), watch: self.watch }
+    }
+
+    /// All joints with both arms somewhere.
+    fn q(&self, [giver, receiver]: [&Posed; 2]) -> Vec<f64> {
+        let partners = self.exchange.partners;
+        let mut q = partners.giver.q_start.clone();
+        put(&mut q, &partners.giver, giver);
+        put(&mut q, &partners.receiver, receiver);
+        q
+    }
+
+    /// The receiver with its hand closed about the object at the handover.
+    fn taking(&self) -> Posed {
+        Posed { arm: self.exchange.q_take.to_vec(), fingers: self.exchange.take.closed.clone() }
+    }
+
+    /// Reach, close, lift, and bring the object to where it is handed over; also the giver's way out from there.
+    fn present(&self, rest: &[Posed; 2]) -> Result<(Vec<Draft>, Path), Setback> {
+        let Partners { giver, receiver } = self.exchange.partners;
+        let grasp = self.exchange.give;
+        let X_WH = self.exchange.X_WO * grasp.X_OH;
+        // The way out is part of the choice: it is gone while the receiver holds the object.
+        let there = beside(giver, receiver, self.q([&rest[GIVE], &self.taking()]));
+        let leaving = self.mover(&there, self.settings);
+        let out = LegWith::new(&leaving, grasp).empty_handed(PhaseKind::Retreat, &self.exchange.X_WO)?;
+        let mut ways = Vec::new();
+        let mut first: Option<Blocked> = None;
+        for q in self.exchange.q_give {
+            match leaving.back_off(&out, q, &X_WH) {
+                Ok(back) => ways.push(Ways { held: q.clone(), back, with_object: Path::default() }),
+                Err(blocked) => first = first.or(Some(blocked)),
+            }
+        }
+        if ways.is_empty() {
+            let none = || Blocked::because("no configuration of the giver's arm at the handover");
+            return Err(first.unwrap_or_else(none).in_phase(PhaseKind::Retreat, false));
+        }
+
+        let cell = beside(giver, receiver, self.q([&rest[GIVE], &rest[TAKE]]));
+        let mover = self.mover(&cell, self.settings);
+        let mut leg = LegWith::new(&mover, grasp);
+        let grips = leg.grips()?;
+        let all: Vec<usize> = (0..grips.ways.len()).collect();
+        let q = leg.take(&grips, &all)?;
+        let stop = Stop { poses_WO: vec![self.exchange.X_WO], ..Stop::put() };
+        let found = leg.transport(&stop, std::slice::from_ref(&q), &ways)?;
+        let goal = found.goal;
+        let draft = self.slowly(&cell, grasp, [&found.space, &found.plain], &found.path)?;
+        leg.drafts.push(draft);
+        let back = ways.swap_remove(goal).back;
+        Ok((leg.drafts, back))
+    }
+
+    /// The giver's transport, no faster than its hand may come.
+    fn slowly(
+        &self,
+        cell: &Workcell,
+        grasp: &Grasp,
+        spaces: [&ArmSpace; 2],
+        path: &Path,
+    ) -> Result<Draft, Setback> {
+        let timed = |settings: &MotionSettings| {
+            let mover = self.mover(cell, settings);
+            LegWith::new(&mover, grasp).draft(PhaseKind::Transport, spaces, path, true)
+        };
+        let mut settings = self.settings.clone();
+        let wanted = self.exchange.hand_speed_m_s;
+        let mut draft = timed(&settings)?;
+        // Half of the joints' speeds is not exactly half of the hand's: a few rounds meet it.
+        for _ in 0..MOST_ROUNDS {
+            let speed = top_speed_m_s(cell, &draft);
+            if speed <= wanted {
+                break;
+            }
+            settings.velocity_scale *= 0.97 * wanted / speed;
+            draft = timed(&settings)?;
+        }
+        Ok(draft)
+    }
+
+    /// The receiver comes and closes its hand, the giver standing still.
+    fn take(&self, now: &[Posed; 2]) -> Result<Vec<Draft>, Setback> {
+        let Partners { giver, receiver } = self.exchange.partners;
+        let (grasp, X_WO) = (self.exchange.take, self.exchange.X_WO);
+        let cell = Workcell { X_WO_start: X_WO, ..beside(receiver, giver, self.q([&now[GIVE], &now[TAKE]])) };
+        let mover = self.mover(&cell, self.settings);
+        let mut leg = LegWith::new(&mover, grasp);
+        let approaching = leg.empty_handed(PhaseKind::Reach, &X_WO)?;
+        let back = mover.back_off(&approaching, self.exchange.q_take, &(X_WO * grasp.X_OH));
+        let back = back.map_err(|blocked| blocked.in_phase(PhaseKind::Reach, false))?;
+        let ways = Ways { held: self.exchange.q_take.to_vec(), back, with_object: Path::default() };
+        leg.reach_and_close(&approaching, &approaching, &[&ways])?;
+        Ok(leg.drafts)
+    }
+
+    /// The giver opens its hand, backs off and goes to where it came from if there is a way.
+    fn draw_back(&self, now: &[Posed; 2], back: &Path, home: &[f64]) -> Result<Vec<Draft>, Setback> {
+        let Partners { giver, receiver } = self.exchange.partners;
+        let cell = beside(giver, receiver, self.q([&now[GIVE], &now[TAKE]]));
+        let mover = self.mover(&cell, self.settings);
+        let mut leg = LegWith::new(&mover, self.exchange.give);
+        let leaving = leg.empty_handed(PhaseKind::Retreat, &self.exchange.X_WO)?;
+        let path = on_home(&mover, &leaving, back, home);
+        leg.open_and_retreat(&leaving, &now[GIVE].arm, &path)?;
+        Ok(leg.drafts)
+    }
+
+    /// The receiver brings the object to its goal; without one it draws it to where its hand came from.
+    fn bring(&self, now: &[Posed; 2], home: &[f64]) -> Result<(Vec<Draft>, Isometry3<f64>), Setback> {
+        let Partners { giver, receiver } = self.exchange.partners;
+        let (grasp, X_WO) = (self.exchange.take, self.exchange.X_WO);
+        let cell = Workcell { X_WO_start: X_WO, ..beside(receiver, giver, self.q([&now[GIVE], &now[TAKE]])) };
+        let mover = self.mover(&cell, self.settings);
+        let mut leg = LegWith::new(&mover, grasp);
+        let stop = Stop { poses_WO: receiver.X_WO_goal().into_iter().collect(), ..Stop::put() };
+        let from = std::slice::from_ref(&now[TAKE].arm);
+        let still = |q: &Vec<f64>| Ways { held: q.clone(), back: Path::default(), with_object: Path::default() };
+        match &grasp.goal {
+            Some(set) if self.exchange.lets_go => {
+                let arrivals = leg.arrivals(&stop, set, from.first().map(Vec::as_slice))?;
+                let found = leg.transport(&stop, from, &arrivals.ways)?;
+                let draft = leg.draft(PhaseKind::Transport, [&found.space, &found.plain], &found.path, true)?;
+                leg.drafts.push(draft);
+                let ways = &arrivals.ways[found.goal];
+                leg.along(PhaseKind::Place, &arrivals.holding, &ways.inwards(), true)?;
+                let path = on_home(&mover, &arrivals.leaving, &ways.back, home);
+                leg.open_and_retreat(&arrivals.leaving, &ways.held, &path)?;
+                Ok((leg.drafts, set.X_WO))
+            }
+            goal => {
+                let home = vec![home.to_vec()];
+                let goals = goal.as_ref().map_or(&home, |set: &Situated| &set.solutions);
+                let ways: Vec<Ways> = goals.iter().map(still).collect();
+                let found = leg.transport(&stop, from, &ways)?;
+                let draft = leg.draft(PhaseKind::Transport, [&found.space, &found.plain], &found.path, true)?;
+                leg.drafts.push(draft);
+                let X_WO_end = self.held_at(&cell, ways[found.goal].entry());
+                Ok((leg.drafts, X_WO_end))
+            }
+        }
+    }
+
+    /// Where the object is while the receiver holds it in a configuration.
+    fn held_at(&self, cell: &Workcell, q_arm: &[f64]) -> Isometry3<f64> {
+        let mut q = cell.q_start.clone();
+        cell.arm().dofs.iter().zip(q_arm).for_each(|(&dof, &position)| q[dof] = position);
+        cell.robot.link_poses(&q)[cell.arm().hand.tcp_link] * self.exchange.take.X_OH.inverse()
+    }
+}
+
+/// The way back, and on to where the arm came from if there is a way.
+fn on_home(mover: &Mover<'_>, space: &ArmSpace, back: &Path, home: &[f64]) -> Path {
+    let Some(end) = back.points.last() else { return back.clone() };
+    match mover.search(space, end, &[home.to_vec()]) {
+        Ok(found) => joined(back, &found.path),
+        Err(_) => back.clone(),
+    }
+}
+
+/// The largest speed of the hand frame's origin between the samples of a motion, m/s.
+fn top_speed_m_s(cell: &Workcell, draft: &Draft) -> f64 {
+    let chain = cell.ik.chain();
+    let joints = cell.arm().dofs.len();
+    let places: Vec<Vector3<f64>> =
+        draft.trajectory.positions.iter().map(|q| chain.tip(&q[..joints]).translation.vector).collect();
+    let times = &draft.trajectory.times_s;
+    let speed = |k: usize| (places[k] - places[k - 1]).norm() / (times[k] - times[k - 1]).max(1e-9);
+    (1..places.len()).map(speed).fold(0.0, f64::max)
+}
