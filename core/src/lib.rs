@@ -27,6 +27,7 @@ pub mod object;
 pub mod parallel;
 pub mod pipeline;
 pub mod plan;
+pub mod reach;
 pub mod rng;
 pub mod robot;
 pub mod scene;

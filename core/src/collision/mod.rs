@@ -47,7 +47,7 @@ pub use allowed::{AllowedCollisions, AllowedPair, AllowedReason};
 pub use ball::BallChecker;
 pub(crate) use batch::Sifted;
 pub use checker::{Checker, Clearance, Hit, Scratch};
-pub(crate) use checker::{Pair, State};
+pub(crate) use checker::{Owner, Pair, State};
 pub use exhaustive::Exhaustive;
 pub use hand::HandChecker;
 pub use hull::ConvexHull;

@@ -5,12 +5,12 @@
 /// For one dimension that is the golden ratio. Every beginning of the sequence covers the unit cube about as evenly as
 /// so many points can.
 #[derive(Clone, Debug)]
-pub(super) struct EvenPoints {
-    alpha: Vec<f64>,
+pub(crate) struct EvenPoints {
+    pub(crate) alpha: Vec<f64>,
 }
 
 impl EvenPoints {
-    pub(super) fn new(dimension: usize) -> Self {
+    pub(crate) fn new(dimension: usize) -> Self {
         let mut root: f64 = 2.0;
         // Newton's method from above on a convex function: monotone, and at rest well before this many steps.
         for _ in 0..60 {

@@ -17,7 +17,7 @@ mod hand_grid;
 mod hand_route;
 mod layers;
 mod limits;
-mod low_discrepancy;
+pub(crate) mod low_discrepancy;
 mod queue;
 mod retime;
 mod roadmap;

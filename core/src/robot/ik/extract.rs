@@ -154,6 +154,11 @@ impl SrsArm {
         Point3::from(self.p_BS)
     }
 
+    /// Wrist centre W in the hand frame H, metres.
+    pub fn wrist(&self) -> Point3<f64> {
+        self.p_HW
+    }
+
     /// Limits from shoulder to wrist.
     pub fn limits(&self) -> &[JointLimit; 7] {
         &self.limits
