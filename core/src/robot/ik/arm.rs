@@ -6,6 +6,7 @@ use nalgebra::Isometry3;
 
 use super::led::LedArm;
 use super::numeric::NumericArm;
+use super::six::SixArm;
 use super::{IkReject, IkSet, NotSrs, SrsArm};
 use crate::robot::{Arm, Chain, ChainError, JointLimit, Robot};
 
@@ -27,6 +28,8 @@ pub struct ArmIk {
 enum Kind {
     /// Seven joints in closed form.
     Srs(Box<SrsArm>),
+    /// Six joints in closed form.
+    Six(Box<SixArm>),
     /// Joints that are sampled, then seven in closed form.
     Led(Box<LedArm>),
     /// Step by step.
@@ -38,6 +41,8 @@ enum Kind {
 pub enum IkMethod {
     /// Closed form over the arm angle.
     ClosedForm,
+    /// Closed form of six joints: ball, hinge, two axes that meet.
+    ClosedForm6,
     /// The first joints at a number of positions each, the other seven in closed form.
     Sampled { joints: usize, samples: usize },
     /// Damped least squares from many starts, because the arm is not of the S-R-S kind.
@@ -48,6 +53,7 @@ impl fmt::Display for IkMethod {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::ClosedForm => write!(f, "closed form (S-R-S)"),
+            Self::ClosedForm6 => write!(f, "closed form (six joints)"),
             Self::Sampled { joints: 1, samples } => {
                 write!(f, "closed form (S-R-S), first joint at {samples} positions")
             }
@@ -112,13 +118,16 @@ impl ArmIk {
     fn solving(robot: &Robot, chain: Chain, base_link: usize, tip_link: usize) -> Self {
         let kind = match SrsArm::between(robot, base_link, tip_link) {
             Ok(srs) => Kind::Srs(Box::new(srs)),
-            Err(because) => match LedArm::between(robot, base_link, tip_link) {
-                Ok(led) => Kind::Led(Box::new(led)),
-                Err(seven) => Kind::Numeric {
-                    arm: Box::new(NumericArm::new(robot, chain.clone())),
-                    because: seven.unwrap_or(because),
-                },
-            },
+            Err(because) => {
+                match (LedArm::between(robot, base_link, tip_link), SixArm::between(robot, base_link, tip_link)) {
+                    (Ok(led), _) => Kind::Led(Box::new(led)),
+                    (_, Some(six)) => Kind::Six(Box::new(six)),
+                    (Err(seven), None) => Kind::Numeric {
+                        arm: Box::new(NumericArm::new(robot, chain.clone())),
+                        because: seven.unwrap_or(because),
+                    },
+                }
+            }
         };
         Self { kind, chain }
     }
@@ -144,12 +153,13 @@ impl ArmIk {
     pub fn method(&self) -> IkMethod {
         match &self.kind {
             Kind::Srs(_) => IkMethod::ClosedForm,
+            Kind::Six(_) => IkMethod::ClosedForm6,
             Kind::Led(led) => IkMethod::Sampled { joints: led.extra_joints(), samples: led.samples + 1 },
             Kind::Numeric { because, .. } => IkMethod::Numeric { because: because.clone() },
         }
     }
 
-    /// The arm itself when it is solved in closed form without extra joints.
+    /// The arm itself when its seven joints are solved in closed form, without extra joints.
     pub fn closed_form(&self) -> Option<&SrsArm> {
         if let Kind::Srs(srs) = &self.kind { Some(srs) } else { None }
     }
@@ -168,7 +178,8 @@ impl ArmIk {
     ///
     /// * `X_BH`: hand frame H in the frame B of the arm's base link.
     /// * `q_now`: the present joints; extra joints stand there first, numeric descents start there first.
-    /// * `arm_angles`: arm angles over a full turn at which all branches are solved; starts of a numeric arm.
+    /// * `arm_angles`: arm angles over a full turn at which all branches are solved; starts of a numeric arm. An arm of
+    ///   six joints has none: all its branches are answered.
     pub fn set(&self, X_BH: &Isometry3<f64>, q_now: &[f64], arm_angles: usize) -> Postures {
         let mut postures = Postures { dofs: self.limits().len(), ..Postures::default() };
         match &self.kind {
@@ -180,6 +191,7 @@ impl ArmIk {
                 found.solutions.iter().for_each(|solution| postures.values.extend(solution.q));
                 postures.rejected = found.rejected;
             }
+            Kind::Six(six) => six.solve(X_BH, q_now, &mut postures.values, &mut postures.rejected),
             Kind::Led(led) => led.set(X_BH, q_now, arm_angles, &mut postures.values, &mut postures.rejected),
             Kind::Numeric { arm, .. } => {
                 let values = &mut postures.values;
@@ -196,6 +208,7 @@ impl ArmIk {
     pub fn first(&self, X_BH: &Isometry3<f64>, q_now: &[f64]) -> Result<Vec<f64>, IkReject> {
         match &self.kind {
             Kind::Srs(srs) => srs.first(X_BH).map(|q| q.to_vec()),
+            Kind::Six(six) => six.first(X_BH, q_now),
             Kind::Led(led) => led.first(X_BH, q_now),
             Kind::Numeric { arm, .. } => arm.first(X_BH, q_now),
         }
@@ -205,6 +218,7 @@ impl ArmIk {
     pub fn near(&self, X_BH: &Isometry3<f64>, near: &[f64]) -> Option<Vec<f64>> {
         match &self.kind {
             Kind::Srs(srs) => Some(srs.near(X_BH, near.try_into().ok()?)?.to_vec()),
+            Kind::Six(six) => six.near(X_BH, near),
             Kind::Led(led) => led.near(X_BH, near),
             Kind::Numeric { arm, .. } => arm.near(X_BH, near),
         }
@@ -215,6 +229,7 @@ impl ArmIk {
     pub fn reach_gap_m(&self, X_BH: &Isometry3<f64>, q_now: &[f64]) -> f64 {
         match &self.kind {
             Kind::Srs(srs) => srs.reach_gap_m(X_BH),
+            Kind::Six(six) => six.reach_gap_m(X_BH),
             Kind::Led(led) => led.reach_gap_m(X_BH, q_now),
             Kind::Numeric { arm, .. } => arm.reach_gap_m(X_BH),
         }

@@ -7,7 +7,7 @@ use crate::robot::{Arm, JointKind, JointLimit, Robot};
 
 /// How far axes may miss each other, metres, and how far right angles may be off, radians: what is lost when a URDF
 /// is written with six decimals.
-const TOLERANCE: f64 = 2e-6;
+pub(super) const TOLERANCE: f64 = 2e-6;
 
 /// Why an arm is not of the S-R-S kind.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -166,14 +166,14 @@ impl SrsArm {
 }
 
 /// A joint axis in space.
-struct Line {
-    p: Vector3<f64>,
-    a: Unit<Vector3<f64>>,
+pub(super) struct Line {
+    pub(super) p: Vector3<f64>,
+    pub(super) a: Unit<Vector3<f64>>,
 }
 
 impl Line {
     /// The point of this line that is nearest to another line; `p` when they are parallel.
-    fn nearest_to(&self, other: &Self) -> Vector3<f64> {
+    pub(super) fn nearest_to(&self, other: &Self) -> Vector3<f64> {
         let between = other.p - self.p;
         let cosine = self.a.dot(&other.a);
         let sine2 = 1.0 - cosine * cosine;
@@ -183,7 +183,7 @@ impl Line {
         self.p + self.a.into_inner() * ((between.dot(&self.a) - cosine * between.dot(&other.a)) / sine2)
     }
 
-    fn distance_to(&self, point: &Vector3<f64>) -> f64 {
+    pub(super) fn distance_to(&self, point: &Vector3<f64>) -> f64 {
         (point - self.p).cross(&self.a).norm()
     }
 }

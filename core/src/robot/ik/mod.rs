@@ -1,7 +1,8 @@
-//! Inverse kinematics: closed form over the arm angle for arms of the S-R-S kind, numeric for all others.
+//! Inverse kinematics: closed form over the arm angle for arms of the S-R-S kind, closed form for arms of six joints with
+//! a ball at the shoulder and two axes that meet at the wrist (Hubo), numeric for all others.
 //!
 //! [`ArmIk`] is the one interface: it looks at the arm, takes the best method for it, and answers joint vectors or typed
-//! reasons. What follows is about the closed form.
+//! reasons. What follows is about arms of seven joints.
 //!
 //! An S-R-S arm has a ball of three joints at the shoulder S, a hinge at the elbow E and a ball at the wrist W, without
 //! offsets (LWA4D and LWA3 are such arms). Its redundancy is one number, the *arm angle*: how far the elbow is
@@ -15,6 +16,7 @@ mod extract;
 mod led;
 mod numeric;
 mod outcome;
+mod six;
 mod solve;
 #[cfg(test)]
 mod tests;

@@ -35,7 +35,7 @@ pub enum IkReject {
         /// Upper limit.
         upper: f64,
     },
-    /// A numeric search came no nearer than this.
+    /// No posture makes the rotation (of six joints in closed form), or a numeric search came no nearer than this.
     Stalled {
         /// Distance left, metres.
         gap_m: f64,

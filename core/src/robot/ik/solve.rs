@@ -7,6 +7,7 @@ use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use super::ball::{Ball, BallAngles};
 use super::{IkReject, IkSet, IkSolution, SrsArm};
 use crate::math;
+use crate::robot::JointLimit;
 
 /// Positions this far outside a limit count as on it, radians: round-off of a chain of seven rotations.
 const LIMIT_SLACK: f64 = 1e-10;
@@ -19,7 +20,7 @@ const PARALLEL: f64 = 1e-6;
 const STRETCHED: f64 = 3e-8;
 
 /// Reach beyond the stretched arm, metres, that is still taken for round-off and pulled back.
-const REACH_SLACK: f64 = 1e-12;
+pub(super) const REACH_SLACK: f64 = 1e-12;
 
 /// Arm angles to either side of a posture's own among which the nearest solution is looked for, radians.
 const NEAR_ANGLES: [f64; 7] = [0.0, 0.04, -0.04, 0.1, -0.1, 0.2, -0.2];
@@ -232,7 +233,7 @@ impl SrsArm {
         }
     }
 
-    /// Both branches of a ball; an aligned ball has one, its free turn split so that it stays within the limits.
+    /// Both branches of a ball ([`ball_branches`]).
     pub(super) fn branches(
         &self,
         ball: &Ball,
@@ -240,29 +241,12 @@ impl SrsArm {
         angles: &BallAngles,
         rotation: &Matrix3<f64>,
     ) -> [Option<Result<[f64; 3], IkReject>>; 2] {
-        let check = |q1: f64, q2: f64, q3: f64| -> Result<[f64; 3], IkReject> {
-            Ok([self.within(first, q1)?, self.within(first + 1, q2)?, self.within(first + 2, q3)?])
-        };
-        let one = check(angles.q1, angles.q2, angles.q3);
-        if angles.aligned {
-            let halves = [0.5 * angles.q3, -0.5 * angles.q3];
-            let split = |half: f64| check(half, angles.q2, ball.last_for_first(rotation, half));
-            let found = one.or_else(|reject| split(halves[0]).or_else(|_| split(halves[1])).map_err(|_| reject));
-            return [Some(found), None];
-        }
-        [Some(one), Some(check(angles.q1 + PI, angles.other_q2, angles.q3 + PI))]
+        ball_branches(&self.limits, ball, first, angles, rotation)
     }
 
     /// The angle moved by whole turns into the limits of a joint, or how it misses them.
     pub(super) fn within(&self, joint: usize, angle: f64) -> Result<f64, IkReject> {
-        let limit = &self.limits[joint];
-        let value = math::wrap_angle(angle);
-        for candidate in [value, value - TAU, value + TAU] {
-            if candidate >= limit.lower - LIMIT_SLACK && candidate <= limit.upper + LIMIT_SLACK {
-                return Ok(candidate.max(limit.lower).min(limit.upper));
-            }
-        }
-        Err(IkReject::JointLimit { joint, value, lower: limit.lower, upper: limit.upper })
+        within(&self.limits, joint, angle)
     }
 
     /// A joint that turns by more than 2π reaches some angles in several ways, each a configuration of its own.
@@ -291,6 +275,39 @@ impl SrsArm {
         let d = (X_BH * self.p_HW - Point3::from(self.p_BS)).norm();
         (d - self.upper_m - self.fore_m).max((self.upper_m - self.fore_m).abs() - d).max(0.0)
     }
+}
+
+/// Both branches of a ball; an aligned ball has one, its free turn split so that it stays within the limits.
+pub(super) fn ball_branches(
+    limits: &[JointLimit],
+    ball: &Ball,
+    first: usize,
+    angles: &BallAngles,
+    rotation: &Matrix3<f64>,
+) -> [Option<Result<[f64; 3], IkReject>>; 2] {
+    let check = |q1: f64, q2: f64, q3: f64| -> Result<[f64; 3], IkReject> {
+        Ok([within(limits, first, q1)?, within(limits, first + 1, q2)?, within(limits, first + 2, q3)?])
+    };
+    let one = check(angles.q1, angles.q2, angles.q3);
+    if angles.aligned {
+        let halves = [0.5 * angles.q3, -0.5 * angles.q3];
+        let split = |half: f64| check(half, angles.q2, ball.last_for_first(rotation, half));
+        let found = one.or_else(|reject| split(halves[0]).or_else(|_| split(halves[1])).map_err(|_| reject));
+        return [Some(found), None];
+    }
+    [Some(one), Some(check(angles.q1 + PI, angles.other_q2, angles.q3 + PI))]
+}
+
+/// The angle moved by whole turns into the limits of a joint, or how it misses them.
+pub(super) fn within(limits: &[JointLimit], joint: usize, angle: f64) -> Result<f64, IkReject> {
+    let limit = &limits[joint];
+    let value = math::wrap_angle(angle);
+    for candidate in [value, value - TAU, value + TAU] {
+        if candidate >= limit.lower - LIMIT_SLACK && candidate <= limit.upper + LIMIT_SLACK {
+            return Ok(candidate.max(limit.lower).min(limit.upper));
+        }
+    }
+    Err(IkReject::JointLimit { joint, value, lower: limit.lower, upper: limit.upper })
 }
 
 /// `exp(axis · angle)` by Rodrigues' formula.
