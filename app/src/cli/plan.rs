@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
+use endcomfort_core::handover::HandoverReport;
 use endcomfort_core::job::{Output, Stage};
 use endcomfort_core::task::plan_json_lines;
 
@@ -115,10 +116,27 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
         let (mark, cm, mm) = (if route.chosen { "→" } else { " " }, route.length_m * 1e2, route.clearance_m * 1e3);
         println!("  {mark} route {}: {cm:.0} cm, clearance {mm:.0} mm, {fate}", index + 1);
     }
+    if let Some(handover) = &plan.handover {
+        print_handover(handover);
+    }
     let checked = plan.certificate;
     println!("  walked again: {} states, {} per sample, nothing touches", checked.states, checked.density);
     for tried in &plan.tries {
         println!("  before it {tried}");
     }
     Ok(())
+}
+
+/// How the place of a handover was chosen.
+fn print_handover(handover: &HandoverReport) {
+    let HandoverReport { arms, grasps, voxels, places, chosen, .. } = handover;
+    let place = &places[*chosen];
+    let p = place.X_WO.translation.vector;
+    println!("  {} hands over to {} at {:.2}, {:.2}, {:.2} m", arms[0], arms[1], p.x, p.y, p.z);
+    let (line_deg, way_cm) = (place.off_line_rad.to_degrees(), place.off_way_m * 1e2);
+    println!("    m_g {:.3} gives, {:.3} takes; {line_deg:.0}° off the line of the shoulders, {way_cm:.0} cm off the way", place.m_g[0], place.m_g[1]);
+    println!("    {} places in {voxels} voxels; {} grasps serve the start, {} the goal", places.len(), grasps[0], grasps[1]);
+    if let Some(comfort) = &place.comfort {
+        println!("    discomfort of the receiver {:.2}", comfort.total);
+    }
 }

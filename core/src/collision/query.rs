@@ -163,17 +163,20 @@ impl Checker {
             return self.first_hit(scratch, q).into_iter().collect();
         }
         let mut hits: Vec<Pair> = Vec::new();
-        self.visit_pairs(scratch, q, &mut |a, X_WA, b, X_WB, depth_m, pair| {
+        let mut visit = |a: &Solid, X_WA: &Rigid, b: &Solid, X_WB: &Rigid, depth_m: f64, pair: Pair| {
             let gap = self.margin_m - depth_m;
             if !hits.contains(&pair) && proximity(a, X_WA, b, X_WB, gap, gap) == Proximity::Touching {
                 hits.push(pair);
             }
             gap
-        });
+        };
+        self.visit_pairs(scratch, q, &mut visit);
+        self.visit_fixed(&mut visit);
         hits.into_iter().map(|pair| self.name(pair)).collect()
     }
 
-    /// The smallest distance at a configuration and between whom it is; intended contacts are left out.
+    /// The smallest distance at a configuration of anything that the joints move, and between whom it is; intended
+    /// contacts are left out.
     ///
     /// For a `q` that is none (see [`Checker::first_hit`]) the distance is minus infinity.
     pub fn distance(&self, scratch: &mut Scratch, q: &[f64]) -> Clearance {
@@ -210,7 +213,8 @@ impl Checker {
         scratch.centers.extend(self.clusters.iter().map(|cluster| X_WF[cluster.frame].point(&cluster.center)));
     }
 
-    /// Shows every pair of bodies that may be closer than what `visit` answered last; it starts with infinity.
+    /// Shows every pair of bodies, one of which moves, that may be closer than what `visit` answered last; it starts with
+    /// infinity.
     fn visit_pairs(&self, scratch: &mut Scratch, q: &[f64], visit: &mut Visit<'_>) {
         self.place(scratch, q);
         let world = Rigid::identity();
@@ -251,6 +255,12 @@ impl Checker {
                 visit_clusters(a, b, depth_m, &mut limit);
             }
         }
+    }
+
+    /// As [`Checker::visit_pairs`], of bodies that stand still both.
+    fn visit_fixed(&self, visit: &mut Visit<'_>) {
+        let world = Rigid::identity();
+        let mut limit = f64::INFINITY;
         for &(pair, depth_m) in &self.constant {
             if let ConstantPair::Fixed(a, b) = pair {
                 let (a, b) = (&self.fixed[a], &self.fixed[b]);

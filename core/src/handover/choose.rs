@@ -1,12 +1,14 @@
 //! Choosing the place of a handover and the two grasps: everything but the motions.
 
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, Translation3, Vector3};
 
 use super::Comfort;
 use super::places::{Spot, SpotPose, Way, spots};
 use super::settings::PlaceChoice;
-use super::side::{Held, Side};
+use super::side::{Candidate, Held, Side};
+use crate::grasp::Grasp;
 use crate::parallel;
+use crate::task::MotionSettings;
 
 /// Spots that are looked at in one go; within one the answers do not depend on each other.
 const AT_ONCE: usize = 32;
@@ -55,12 +57,13 @@ pub(super) fn choose(
     receiver: &Side<'_>,
     way: &Way,
     settings: &PlaceChoice,
+    motion: &MotionSettings,
     cost: &Cost<'_>,
     should_stop: &(dyn Fn() -> bool + Sync),
 ) -> Choices {
     let (spots, voxels) = spots(giver, receiver, way, settings);
     let pairs = Pairs::new(giver, receiver);
-    let look = Look { giver, receiver, pairs: &pairs, settings, cost };
+    let look = Look { giver, receiver, pairs: &pairs, settings, motion, cost };
     let mut choices: Vec<Choice> = Vec::new();
     let mut looked_at = 0;
     for some in spots[..spots.len().min(MOST_SPOTS)].chunks(AT_ONCE) {
@@ -109,6 +112,7 @@ struct Look<'a> {
     receiver: &'a Side<'a>,
     pairs: &'a Pairs,
     settings: &'a PlaceChoice,
+    motion: &'a MotionSettings,
     cost: &'a Cost<'a>,
 }
 
@@ -118,7 +122,7 @@ impl Look<'_> {
         match &spot.pose {
             SpotPose::ReceiverHand(X_WH) => {
                 // The arm is the same for all grasps of this hand pose; only the closed fingers differ.
-                let held = self.receiver.configurations(X_WH)?;
+                let held = self.receiver.configurations(X_WH).ok()?;
                 let takes = 0..self.receiver.candidates.len();
                 let free = takes.filter(|&take| self.receiver.candidates[take].hand.first_hit(X_WH).is_none());
                 free.take(TRIED_GRASPS).find_map(|take| {
@@ -131,7 +135,7 @@ impl Look<'_> {
                 let mut takes: Vec<(usize, Held)> = Vec::new();
                 for (take, candidate) in self.receiver.candidates.iter().enumerate() {
                     let held = self.receiver.held(candidate, &(X_WO * candidate.grasp.X_OH));
-                    takes.extend(held.map(|held| (take, held)));
+                    takes.extend(held.ok().map(|held| (take, held)));
                 }
                 takes.sort_by(|l, r| r.1.m_g.total_cmp(&l.1.m_g));
                 takes.into_iter().take(TRIED_GRASPS).find_map(|(take, held)| {
@@ -152,7 +156,10 @@ impl Look<'_> {
         let mut found = 0;
         for give in gives {
             let candidate = &self.giver.candidates[give];
-            let Some(held) = self.giver.held(candidate, &(X_WO * candidate.grasp.X_OH)) else { continue };
+            let Ok(held) = self.giver.held(candidate, &(X_WO * candidate.grasp.X_OH)) else { continue };
+            if !self.come_and_go(candidate, &self.receiver.candidates[take]) {
+                continue;
+            }
             found += 1;
             if best.as_ref().is_none_or(|(_, known)| known.m_g < held.m_g) {
                 best = Some((give, held));
@@ -162,6 +169,20 @@ impl Look<'_> {
             }
         }
         best
+    }
+
+    /// Whether the receiver's open hand can come while the giver holds the object, and the giver's open hand can leave
+    /// while the receiver holds it. Everything is in the object's frame.
+    fn come_and_go(&self, give: &Candidate, take: &Candidate) -> bool {
+        let away = |grasp: &Grasp, share: f64| {
+            grasp.X_OH * Translation3::new(0.0, 0.0, -share * self.motion.min_approach_m)
+        };
+        [0.0, 0.3, 0.7, 1.0].iter().all(|&share| {
+            let (leaves, comes) = (away(&give.grasp, share), away(&take.grasp, share));
+            let [open_give, open_take] = [&self.giver.open, &self.receiver.open];
+            open_give.first_hit_with(&leaves, &take.hand, &take.grasp.X_OH).is_none()
+                && open_take.first_hit_with(&comes, &give.hand, &give.grasp.X_OH).is_none()
+        })
     }
 
     fn choice(&self, spot: &Spot, X_WO: Isometry3<f64>, candidates: [usize; 2], give: Held, take: &Held) -> Choice {

@@ -9,7 +9,7 @@ use super::places::Way;
 use super::report::{HandoverReport, Place};
 use super::settings::PlaceChoice;
 use super::side::{EndKind, Side};
-use crate::grasp::Grasp;
+use crate::grasp::{Grasp, Obstruction};
 use crate::job::Refusal;
 use crate::reach::ReachMap;
 use crate::task::{Exchange, Failure, MotionSettings, Partners, Plan, Try, certify, plan_exchange};
@@ -47,21 +47,22 @@ pub fn plan_handover(task: &HandoverTask<'_>, watch: Watch<'_>) -> Result<Plan, 
     let Partners { giver, receiver } = task.partners;
     let goal = receiver.X_WO_goal();
     let refuse = |error: &dyn std::error::Error| Refusal::new(error.to_string());
-    let start = Some((giver.X_WO_start, EndKind::Start));
-    let give = Side::new(giver, task.maps[0], task.grasps[0], start).map_err(|error| refuse(&error))?;
-    let end = goal.map(|X_WO| (X_WO, EndKind::Goal));
-    let take = Side::new(receiver, task.maps[1], task.grasps[1], end).map_err(|error| refuse(&error))?;
+    let start = (EndKind::Start, &[giver.X_WO_start][..]);
+    let give = Side::new(giver, task.maps[0], task.motion, task.grasps[0], start).map_err(|error| refuse(&error))?;
+    let kind = if task.lets_go { EndKind::Goal } else { EndKind::Held };
+    let end = (kind, receiver.stops.last().map_or(&[][..], |stop| &stop.poses_WO));
+    let take = Side::new(receiver, task.maps[1], task.motion, task.grasps[1], end).map_err(|error| refuse(&error))?;
     for (side, end, of) in [(&give, "start", task.grasps[0]), (&take, "goal", task.grasps[1])] {
         if side.candidates.is_empty() {
             let arm = &side.cell.arm().name;
             let message = format!("none of the {} grasps of the {arm} arm serves the {end}", of.len());
-            return Err(Refusal::new(message));
+            return Err(Refusal::new(message).with_details(counted(&side.rejected)));
         }
     }
     // Without a goal the object is drawn to the receiver.
     let towards = || Isometry3::from_parts(Translation3::from(take.shoulder().coords), giver.X_WO_start.rotation);
     let way = Way { X_WO_start: giver.X_WO_start, X_WO_goal: goal.unwrap_or_else(towards) };
-    let found = choose(&give, &take, &way, task.choice, task.cost, &|| watch.should_stop());
+    let found = choose(&give, &take, &way, task.choice, task.motion, task.cost, &|| watch.should_stop());
     if watch.should_stop() {
         return Err(Refusal::new("stopped"));
     }
@@ -131,6 +132,19 @@ fn place(choice: &Choice, sides: [&Side<'_>; 2], refused: Option<String>) -> Pla
         score: choice.score,
         refused,
     }
+}
+
+/// Reasons with how often each occurs, most frequent first.
+fn counted(reasons: &[Obstruction]) -> Vec<String> {
+    let mut counts: Vec<(String, usize)> = Vec::new();
+    for reason in reasons.iter().map(ToString::to_string) {
+        match counts.iter_mut().find(|(known, _)| *known == reason) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((reason, 1)),
+        }
+    }
+    counts.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+    counts.into_iter().map(|(reason, count)| format!("{count} × {reason}")).collect()
 }
 
 fn no_place(give: &Side<'_>, take: &Side<'_>, found: &Choices) -> Refusal {

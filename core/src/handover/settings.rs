@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-use crate::scene::{ArmChoice, Obstacle, SceneError, check_range, checked_pose};
+use crate::scene::{ArmChoice, Freedom, Obstacle, SceneError, check_range, checked_pose};
 
 /// Most boxes that may move with a receiver.
 const MAX_FURNITURE: usize = 32;
@@ -67,6 +67,9 @@ pub struct AgentGoal {
     pub X_AO: Isometry3<f64>,
     /// It is put down there and let go; otherwise held there.
     pub lets_go: bool,
+    /// How far the object may end up from that pose.
+    #[serde(default, skip_serializing_if = "Freedom::is_none")]
+    pub freedom: Freedom,
 }
 
 /// How a place for the handover is chosen.

@@ -1,13 +1,13 @@
 //! One side of a handover: an arm, its map, and the grasps that serve its own end of the way.
 
-use nalgebra::{Isometry3, Point3};
+use nalgebra::{Isometry3, Point3, Translation3};
 
 use crate::collision::{Checker, CollisionError, HandChecker, Scratch};
-use crate::grasp::{Grasp, Situated};
+use crate::grasp::{Grasp, Obstruction, Situated};
 use crate::parallel;
 use crate::reach::ReachMap;
 use crate::robot::Dexterity;
-use crate::task::Workcell;
+use crate::task::{LEAST_LIFT, MotionSettings, Workcell};
 
 /// Arm angles over a full turn at which a grasp is looked at.
 const ARM_ANGLES: usize = 12;
@@ -22,6 +22,11 @@ pub(super) struct Side<'a> {
     pub(super) X_WB: Isometry3<f64>,
     /// Grasps that serve the start (giver) or the goal (receiver), the most manipulable there first.
     pub(super) candidates: Vec<Candidate>,
+    /// The open hand.
+    pub(super) open: HandChecker,
+    motion: &'a MotionSettings,
+    /// Why the other grasps do not serve it.
+    pub(super) rejected: Vec<Obstruction>,
     /// Largest mean manipulability of a voxel of the map.
     most: f64,
     /// The arm alone, everything else at rest.
@@ -46,12 +51,14 @@ pub(super) struct Held {
 }
 
 impl<'a> Side<'a> {
-    /// Looks at each grasp at the pose `X_WO` of the object, resting there on `supports`; without a pose all are kept.
+    /// Looks at each grasp at the poses that the object may have at that end of its way, and takes for each the one at
+    /// which it is the most manipulable; without a pose all are kept.
     pub(super) fn new(
         cell: &'a Workcell,
         map: &'a ReachMap,
+        motion: &'a MotionSettings,
         grasps: &[Grasp],
-        end: Option<(Isometry3<f64>, EndKind)>,
+        end: (EndKind, &[Isometry3<f64>]),
     ) -> Result<Self, CollisionError> {
         let empty = crate::task::Situation {
             world: cell.world.clone(),
@@ -64,6 +71,9 @@ impl<'a> Side<'a> {
             map,
             X_WB: cell.robot.link_poses(&cell.q_start)[cell.arm().base_link],
             candidates: Vec::new(),
+            open: HandChecker::new(&cell.model, &cell.world, &cell.may_touch, cell.arm_index, &cell.hand.open)?,
+            motion,
+            rejected: Vec::new(),
             most: map.voxels().map(|voxel| map.mean_manipulability(voxel)).fold(1e-12, f64::max),
             arm: cell.checker(&empty)?,
             q_now: cell.arm().dofs.iter().map(|&dof| cell.q_start[dof]).collect(),
@@ -71,7 +81,10 @@ impl<'a> Side<'a> {
         let holding: Vec<&Grasp> = grasps.iter().filter(|grasp| grasp.is_accepted()).collect();
         let judged = parallel::map(&holding, |grasp| side.candidate(grasp, end));
         for candidate in judged {
-            side.candidates.extend(candidate?);
+            match candidate? {
+                Ok(candidate) => side.candidates.push(candidate),
+                Err(reason) => side.rejected.push(reason),
+            }
         }
         let m_g = |candidate: &Candidate| {
             let grasp = &candidate.grasp;
@@ -85,18 +98,31 @@ impl<'a> Side<'a> {
     fn candidate(
         &self,
         grasp: &Grasp,
-        end: Option<(Isometry3<f64>, EndKind)>,
-    ) -> Result<Option<Candidate>, CollisionError> {
+        (kind, poses): (EndKind, &[Isometry3<f64>]),
+    ) -> Result<Result<Candidate, Obstruction>, CollisionError> {
         let cell = self.cell;
         let hand = HandChecker::new(&cell.model, &cell.world, &cell.may_touch, cell.arm_index, &grasp.closed)?;
         let mut candidate = Candidate { grasp: grasp.clone(), hand };
         candidate.grasp.start = None;
         candidate.grasp.goal = None;
-        let Some((X_WO, kind)) = end else { return Ok(Some(candidate)) };
-        let Some(held) = self.held(&candidate, &(X_WO * grasp.X_OH)) else { return Ok(None) };
+        if poses.is_empty() {
+            return Ok(Ok(candidate));
+        }
+        let mut best: Option<(&Isometry3<f64>, Held)> = None;
+        let mut first = None;
+        for X_WO in poses {
+            let X_WH = X_WO * grasp.X_OH;
+            match self.held(&candidate, &X_WH).and_then(|held| self.with_ways(held, kind, &X_WH)) {
+                Ok(held) if best.as_ref().is_none_or(|(_, known)| known.m_g < held.m_g) => best = Some((X_WO, held)),
+                Ok(_) => {}
+                Err(reason) => first = first.or(Some(reason)),
+            }
+        }
+        let none = || Obstruction::Invalid { reason: "no arm configuration".to_owned() };
+        let Some((&X_WO, held)) = best else { return Ok(Err(first.unwrap_or_else(none))) };
         let situated = Situated {
             X_WO,
-            poses: 1,
+            poses: poses.len(),
             m_g: held.m_g,
             ik_count: held.q.len(),
             with_ways: (0..held.q.len().min(WITH_WAYS)).collect(),
@@ -105,31 +131,80 @@ impl<'a> Side<'a> {
         };
         match kind {
             EndKind::Start => candidate.grasp.start = Some(situated),
-            EndKind::Goal => candidate.grasp.goal = Some(situated),
+            EndKind::Goal | EndKind::Held => candidate.grasp.goal = Some(situated),
         }
-        Ok(Some(candidate))
+        Ok(Ok(candidate))
     }
 
-    /// The arm with its hand at a pose, the hand free of everything that stands around; `None` if there is no such
-    /// configuration.
-    pub(super) fn held(&self, candidate: &Candidate, X_WH: &Isometry3<f64>) -> Option<Held> {
-        candidate.hand.first_hit(X_WH).is_none().then(|| self.configurations(X_WH))?
+    /// The configurations from which the hand can back off and, where the object stands on something, rise with it: at
+    /// the ends of these ways the arm is looked at, the motions are proven later.
+    fn with_ways(&self, held: Held, kind: EndKind, X_WH: &Isometry3<f64>) -> Result<Held, Obstruction> {
+        if kind == EndKind::Held {
+            return Ok(held);
+        }
+        let back = X_WH * Translation3::new(0.0, 0.0, -self.motion.min_approach_m);
+        let up = Translation3::new(0.0, 0.0, LEAST_LIFT * self.motion.lift_m) * X_WH;
+        let ends = [back, up].map(|X_WH_end| self.X_WB.inv_mul(&X_WH_end));
+        let mut scratch = Scratch::default();
+        let mut q = held.q;
+        q.retain(|q| {
+            ends.iter().all(|X_BH| {
+                let near = self.cell.ik.near(X_BH, q);
+                near.is_some_and(|q| self.arm.first_hit_besides_hand(&mut scratch, &q).is_none())
+            })
+        });
+        if q.is_empty() {
+            return Err(Obstruction::Invalid { reason: "no straight way in or up".to_owned() });
+        }
+        Ok(Held { q, ..held })
+    }
+
+    /// The arm with its hand at a pose, the hand free of everything that stands around.
+    ///
+    /// # Errors
+    /// What keeps it from there.
+    pub(super) fn held(&self, candidate: &Candidate, X_WH: &Isometry3<f64>) -> Result<Held, Obstruction> {
+        // Most poses are out of reach, which is told fastest.
+        let X_BH = self.X_WB.inv_mul(X_WH);
+        let gap_m = self.cell.ik.reach_gap_m(&X_BH, &self.q_now);
+        if gap_m > 0.0 {
+            let told = self.cell.ik.first(&X_BH, &self.q_now).err();
+            return Err(told.map_or(Obstruction::OutOfReach { gap_m }, |reject| (&reject).into()));
+        }
+        match candidate.hand.first_hit(X_WH) {
+            Some(hit) => Err(hit.into()),
+            None => self.configurations(X_WH),
+        }
     }
 
     /// Configurations that bring the hand to a pose, the hand itself not looked at.
-    pub(super) fn configurations(&self, X_WH: &Isometry3<f64>) -> Option<Held> {
+    ///
+    /// # Errors
+    /// What keeps the arm from there.
+    pub(super) fn configurations(&self, X_WH: &Isometry3<f64>) -> Result<Held, Obstruction> {
         let cell = self.cell;
         let found = cell.ik.set(&self.X_WB.inv_mul(X_WH), &self.q_now, ARM_ANGLES);
         let mut scratch = Scratch::default();
-        let free: Vec<&[f64]> =
-            found.iter().filter(|q| self.arm.first_hit_besides_hand(&mut scratch, q).is_none()).collect();
+        let mut hit = None;
+        let mut is_free = |q: &&[f64]| match self.arm.first_hit_besides_hand(&mut scratch, q) {
+            Some(found) => {
+                hit = hit.take().or(Some(found));
+                false
+            }
+            None => true,
+        };
+        let free: Vec<&[f64]> = found.iter().filter(&mut is_free).collect();
+        if free.is_empty() {
+            let none = || Obstruction::Invalid { reason: "no arm configuration".to_owned() };
+            return Err(hit.map(Obstruction::from).or(found.rejected.first().map(Obstruction::from)).unwrap_or_else(none));
+        }
         let mut placed = Vec::new();
         Dexterity::new(cell.ik.chain()).all(&free.concat(), &mut placed);
         let sum: f64 = placed.iter().map(|placed| placed.manipulability).sum();
         let mut order: Vec<usize> = (0..free.len()).collect();
         order.sort_by(|&l, &r| placed[r].manipulability.total_cmp(&placed[l].manipulability).then(l.cmp(&r)));
         let q: Vec<Vec<f64>> = order.into_iter().map(|index| free[index].to_vec()).collect();
-        (!q.is_empty()).then(|| Held { m_g: sum / q.len() as f64, q })
+        Ok(Held { m_g: sum / q.len() as f64, q })
     }
 
     /// The largest mean manipulability of the arm's map, for shares of it.
@@ -150,8 +225,12 @@ impl<'a> Side<'a> {
 }
 
 /// Which end of the object's way a side serves.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum EndKind {
+    /// It is taken up there.
     Start,
+    /// It is put down there.
     Goal,
+    /// It is held there.
+    Held,
 }

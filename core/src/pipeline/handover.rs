@@ -6,19 +6,21 @@ use nalgebra::{Isometry3, Vector3};
 
 use super::goal::stops;
 use super::rank::grasp_candidates;
-use crate::collision::World;
+use crate::collision::{MayTouch, Party, World};
 use crate::fit::Fit;
 use crate::grasp::{Grasp, HandModel, Touched};
 use crate::handover::{Agent, AgentGoal, Handover, HandoverTask, PlaceChoice, Receiver, plan_handover};
 use crate::job::Refusal;
 use crate::library::Library;
 use crate::reach::ReachMap;
-use crate::robot::Robot;
+use crate::robot::{Arm, Robot};
 use crate::robot::ik::ArmIk;
 use crate::scene::{Action, ArmChoice, Scene, Step};
 use crate::task::{Partners, Plan, Workcell};
 use crate::watch::Watch;
 
+/// What reasons call the floor.
+const FLOOR: &str = "floor";
 /// The floor: an upper face just below 0, so that what stands on it does not touch it, metres.
 const FLOOR_TOP_M: f64 = -0.001;
 const FLOOR_SIZE_M: [f64; 3] = [8.0, 8.0, 0.1];
@@ -45,7 +47,7 @@ pub(crate) fn acting<'a>(scene: &'a Scene, library: &Library) -> Result<Cow<'a, 
 /// The step that brings the object to the receiver's goal.
 fn step(agent: &Agent, goal: &AgentGoal) -> Step {
     let action = if goal.lets_go { Action::Put } else { Action::Pour { hold_s: 0.0 } };
-    Step { action, ..Step::put(agent.X_WA() * goal.X_AO) }
+    Step { action, freedom: goal.freedom, ..Step::put(agent.X_WA() * goal.X_AO) }
 }
 
 /// The arm in whose map the place of the object is the better one; the scene's if they are equal.
@@ -79,7 +81,7 @@ pub(crate) fn add_surroundings(world: &mut World, scene: &Scene) -> Result<(), R
     }
     let [x, y, z] = FLOOR_SIZE_M;
     let X_WB = Isometry3::translation(0.0, 0.0, FLOOR_TOP_M - 0.5 * z);
-    world.add_box("floor", Vector3::new(x, y, z), &X_WB).map_err(|error| refusal(&error))
+    world.add_box(FLOOR, Vector3::new(x, y, z), &X_WB).map_err(|error| refusal(&error))
 }
 
 /// What a handover is planned from.
@@ -116,7 +118,9 @@ impl HandoverInput<'_> {
         // At the handover nothing but the giver stands around the object.
         let alone = Workcell { world: World::new(), ..receiver.clone() };
         let grasps = grasp_candidates(&alone, self.target, (self.touched)()?, &self.scene.grasp)?;
-        let giver = Workcell { stops: Vec::new(), ..self.giver.clone() };
+        let may_touch = self.handover.agent().map(|agent| standing(robot, agent)).unwrap_or_default();
+        let giver = Workcell { stops: Vec::new(), may_touch: may_touch.clone(), ..self.giver.clone() };
+        let receiver = Workcell { may_touch, ..receiver };
         Ok((Partners { giver, receiver }, grasps))
     }
 
@@ -161,6 +165,24 @@ impl HandoverInput<'_> {
         };
         plan_handover(&task, watch)
     }
+}
+
+/// What stands still may touch what it stands on: no motion changes that.
+fn standing(robot: &Robot, agent: &Agent) -> Vec<MayTouch> {
+    let mut moves = vec![false; robot.links.len()];
+    // Joint i moves link i + 1, and parents stand before their children.
+    for (joint, child) in robot.joints.iter().zip(1..) {
+        let dof = joint.dof.or(joint.mimic.as_ref().map(|mimic| mimic.dof));
+        let is_of_arm = |arm: &Arm| {
+            dof.is_some_and(|dof| arm.dofs.contains(&dof) || arm.hand.fingers.iter().flatten().any(|&own| own == dof))
+        };
+        moves[child] = moves[joint.parent] || robot.arms.iter().any(is_of_arm);
+    }
+    let still = (0..robot.links.len()).filter(|&link| !moves[link]);
+    let contact =
+        |link, name: &str| MayTouch { a: Party::Link(link), b: Party::Obstacle(name.to_owned()), depth_m: f64::INFINITY };
+    let names = || agent.furniture.iter().map(|piece| piece.name.as_str()).chain([FLOOR]);
+    still.flat_map(|link| names().map(move |name| contact(link, name))).collect()
 }
 
 /// The arm that receives: the one that was chosen, the robot's other one, or the agent's whose shoulder is nearer.

@@ -18,7 +18,7 @@ pub use certify::{CellOf, certify};
 pub use exchange::{Exchange, Failure, Partners, plan_exchange};
 pub use export::{TrajectoryFormat, trajectory_text};
 pub use leg::{LegPlan, LegTask, assemble, plan_leg};
-pub(crate) use motion::{STRAIGHT_STEP_M, STRAIGHT_STEP_RAD};
+pub(crate) use motion::{LEAST_LIFT, STRAIGHT_STEP_M, STRAIGHT_STEP_RAD};
 pub use plan::{Certificate, Leg, ObjectState, Phase, PhaseKind, Plan, PlanState, Route, Try};
 pub use report::plan_json_lines;
 pub use settings::{MotionSettings, Planner};

@@ -15,6 +15,8 @@ use crate::watch::Watch;
 /// Distance between poses on a straight way, metres, and radians.
 pub(crate) const STRAIGHT_STEP_M: f64 = 0.01;
 pub(crate) const STRAIGHT_STEP_RAD: f64 = 0.1;
+/// Share of the lift that is wanted that an object has to rise at least before it is carried away.
+pub(crate) const LEAST_LIFT: f64 = 0.25;
 /// One phase of a plan before its start time is known.
 #[derive(Clone, Debug)]
 pub(super) struct Draft {
@@ -77,10 +79,17 @@ impl Mover<'_> {
         Err(reason)
     }
 
-    /// Straight up from the hand pose.
+    /// Straight up from the hand pose, as far as there is room, at least a quarter of what is wanted.
     pub(super) fn rise(&self, space: &ArmSpace, q: &[f64], X_WH: &Isometry3<f64>) -> Result<Path, Blocked> {
-        let up = Translation3::from(Vector3::z() * self.settings.lift_m);
-        self.straight(space, q, X_WH, &(up * X_WH))
+        let mut reason = Blocked::default();
+        for share in [1.0, 0.5, LEAST_LIFT] {
+            let up = Translation3::from(Vector3::z() * (share * self.settings.lift_m));
+            match self.straight(space, q, X_WH, &(up * X_WH)) {
+                Ok(path) => return Ok(path),
+                Err(blocked) => reason = blocked,
+            }
+        }
+        Err(reason)
     }
 
     /// The hand on a straight line from pose to pose, staying on one branch of the inverse kinematics.
