@@ -15,9 +15,8 @@ pub(super) struct SelfClear {
     still: Vec<bool>,
 }
 
-/// What is asked for many poses at once: configuration `rank` of pose `pose`, added to the end of a list. `false` when
-/// the pose has no more.
-pub(super) type Nth<'a> = &'a mut dyn FnMut(usize, usize, &mut Vec<f64>) -> bool;
+/// Adds the next configuration of a pose to the end of a list; `false` when it has no more.
+pub(super) type Next<'a> = &'a mut dyn FnMut(usize, &mut Vec<f64>) -> bool;
 
 impl SelfClear {
     pub(super) fn of(robot: &Robot, arm_index: usize) -> Result<Self, ReachError> {
@@ -48,21 +47,18 @@ impl SelfClear {
         Ok(Self { checker, with_hand, still })
     }
 
-    /// For each pose the rank of its first configuration that touches nothing.
+    /// For each pose whether one of its configurations touches nothing: then it is the last one that was asked for.
     ///
     /// The first of all poses go through the sieve of the checker side by side, then the second of those that are
     /// left, and so on. A pose at which the hand touches something that stands still is given up at once.
-    pub(super) fn first_free(&self, scratch: &mut Scratch, poses: usize, nth: Nth<'_>) -> Vec<Option<usize>> {
+    pub(super) fn first_free(&self, scratch: &mut Scratch, poses: usize, next: Next<'_>) -> Vec<bool> {
         let joints = self.checker.dofs().len();
-        let mut answers = vec![None; poses];
+        let mut is_free = vec![false; poses];
         let mut open: Vec<usize> = (0..poses).collect();
         let mut q = Vec::new();
-        for rank in 0.. {
+        while !open.is_empty() {
             q.clear();
-            open.retain(|&pose| nth(pose, rank, &mut q));
-            if open.is_empty() {
-                break;
-            }
+            open.retain(|&pose| next(pose, &mut q));
             let configurations: Vec<&[f64]> = q.chunks_exact(joints).collect();
             let mut sure = self.checker.surely_free(scratch, &configurations).into_iter();
             let mut asked = configurations.iter();
@@ -71,11 +67,11 @@ impl SelfClear {
                 if !sure && let State::Hit(pair) = self.checker.state(scratch, q, None) {
                     return !self.is_hopeless(pair);
                 }
-                answers[pose] = Some(rank);
+                is_free[pose] = true;
                 false
             });
         }
-        answers
+        is_free
     }
 
     /// Whether the pair touches wherever the rest of the arm is.

@@ -1,17 +1,15 @@
 //! An S-R-S arm, perhaps behind one joint that is sampled, seen from the base frame of a map.
 
-use std::f64::consts::{PI, TAU};
-
 use nalgebra::{Isometry3, Point3};
 
 use super::ReachError;
-use crate::robot::ik::{IkSet, SrsArm};
+use crate::robot::ik::{GLANCES, Glancer, IkSet, SrsArm, arm_angle_rad};
 use crate::robot::{Arm, Chain, Robot};
 
 /// Positions at which a joint before the arm is sampled: middles of equal parts of its range, 0 of a torso among them.
 const TORSO_POSITIONS: u8 = 7;
 /// Arm angles over a full turn that a code can name.
-pub(super) const ARM_ANGLES: usize = 32;
+pub(super) const ARM_ANGLES: usize = GLANCES;
 /// Joints of an S-R-S arm.
 const SEVEN: usize = 7;
 
@@ -19,6 +17,7 @@ const SEVEN: usize = 7;
 #[derive(Clone, Debug)]
 pub(super) struct ClosedForm {
     pub(super) srs: SrsArm,
+    pub(super) glancer: Glancer,
     pub(super) stands: Vec<Stand>,
 }
 
@@ -42,7 +41,7 @@ impl ClosedForm {
         let lead = arm.dofs.first().filter(|_| extra == 1).map(|&dof| robot.dof_joints[dof]);
         let shoulder_link = lead.map_or(arm.base_link, |joint| robot.joints[joint].child);
         let srs = SrsArm::between(robot, shoulder_link, arm.hand.tcp_link).map_err(refuse)?;
-        let mut closed = Self { srs, stands: Vec::new() };
+        let mut closed = Self { glancer: Glancer::new(&srs), srs, stands: Vec::new() };
         match lead {
             None => closed.stand(None, Isometry3::identity()),
             Some(joint) => {
@@ -68,11 +67,6 @@ impl ClosedForm {
         upper_m + fore_m + self.srs.wrist().coords.norm()
     }
 
-    /// Joints of the arm, the one before it included.
-    pub(super) fn joints(&self) -> usize {
-        SEVEN + usize::from(self.stands.iter().any(|stand| stand.lead.is_some()))
-    }
-
     /// The configuration of a code for a pose of the hand; `None` if the code is none of this pose.
     pub(super) fn configuration(&self, X_BH: &Isometry3<f64>, code: u32) -> Option<Vec<f64>> {
         let code = Code::unpack(code);
@@ -94,14 +88,9 @@ pub(super) struct Code {
 }
 
 impl Code {
-    pub(super) fn of(stand: usize, arm_angle_rad: f64, branch: u8) -> Self {
-        let step = ((arm_angle_rad + PI) * (ARM_ANGLES as f64 / TAU)).round();
-        Self { stand, arm_angle: step as usize % ARM_ANGLES, branch }
-    }
-
     /// As a sweep over the arm angles computes it.
     pub(super) fn arm_angle_rad(self) -> f64 {
-        TAU * self.arm_angle as f64 / ARM_ANGLES as f64 - PI
+        arm_angle_rad(self.arm_angle)
     }
 
     pub(super) fn pack(self) -> u32 {
@@ -120,20 +109,14 @@ mod tests {
     use crate::robot::samples;
 
     #[test]
-    fn a_code_survives_its_packing_and_names_the_angles_of_a_sweep() {
+    fn a_code_survives_its_packing() {
         for stand in [0, 6] {
             for arm_angle in 0..ARM_ANGLES {
                 for branch in 0..8 {
                     let code = Code { stand, arm_angle, branch };
                     assert_eq!(Code::unpack(code.pack()), code);
-                    assert_eq!(Code::of(stand, code.arm_angle_rad(), branch), code);
                 }
             }
-        }
-        // Every fourth of the 32 has the bits of the eight.
-        for step in 0..8 {
-            let coarse = TAU * step as f64 / 8.0 - PI;
-            assert_eq!(Code::of(0, coarse, 0).arm_angle_rad(), coarse);
         }
     }
 
@@ -141,7 +124,7 @@ mod tests {
     fn the_torso_stands_straight_among_others() {
         let robot = samples::crichton().with_torso(0);
         let closed = ClosedForm::of(&robot, &robot.arms[0]).unwrap();
-        assert_eq!((closed.stands.len(), closed.joints()), (7, 8));
+        assert_eq!(closed.stands.len(), 7);
         assert!(closed.stands[3].lead.unwrap().abs() < 1e-12);
         // The shoulder is 0.28675 m beside the torso's axis wherever the torso turns.
         for stand in &closed.stands {

@@ -110,14 +110,17 @@ pub fn build_forward(
             return None;
         }
         let key = |pose: usize, rank: usize| best[pose * kept..(pose + 1) * kept].get(rank).filter(|key| **key != 0);
-        let mut nth = |index: usize, rank: usize, asked: &mut Vec<f64>| {
-            let Some(key) = key(group[index], rank) else { return false };
+        // Rank of the next sample of each pose.
+        let mut ranks = vec![0; group.len()];
+        let mut next = |index: usize, asked: &mut Vec<f64>| {
+            let Some(key) = key(group[index], ranks[index]) else { return false };
+            ranks[index] += 1;
             samples.push(number_of(*key), asked);
             true
         };
-        let free = clear.first_free(&mut Scratch::default(), group.len(), &mut nth);
-        let reached = group.iter().zip(free).filter_map(|(&pose, rank)| {
-            let key = *key(pose, rank?)?;
+        let is_free = clear.first_free(&mut Scratch::default(), group.len(), &mut next);
+        let reached = group.iter().zip(is_free.iter().zip(ranks)).filter_map(|(&pose, (is_free, rank))| {
+            let key = *key(pose, rank - 1).filter(|_| *is_free)?;
             Some(Reached {
                 voxel: (pose / count) as u32,
                 orientation: (pose % count) as u16,

@@ -12,12 +12,13 @@ use super::map::{Data, Reached, SPOTS};
 use super::recipe::Recipe;
 use super::{Orientations, ReachError, ReachMap};
 use crate::collision::Scratch;
-use crate::robot::ik::IkSet;
+use crate::robot::ik::{Glance, IkSet};
 use crate::robot::{Chain, Dexterity, JointLimit, Placed, Robot};
 use crate::watch::Watch;
 
-/// Arm angles at which a pose is solved first; where none of them is within the limits, all of [`ARM_ANGLES`] are tried.
-const FIRST_ANGLES: usize = 8;
+/// Branches of one arm angle that are looked at, those with the most room: they differ in nothing but half turns of
+/// the segments about themselves, so where two touch something the others mostly do.
+const BRANCHES: usize = 2;
 /// Configurations that are computed side by side.
 const BATCH: usize = 16;
 
@@ -38,10 +39,10 @@ impl Default for InverseSettings {
 
 /// The map of an S-R-S arm by inverse sampling; give [`Robot::with_torso`] for a map with the torso.
 ///
-/// Each orientation of the set is put at the centre of each voxel and solved in closed form at 8 arm angles (32 where
-/// these give nothing); a torso stands at 7 positions. Configurations within the limits in which the robot does not
-/// touch itself compete by manipulability (5.1), those of equal manipulability by the room that they leave to the
-/// limits. A voxel of which nothing is reached at its centre is tried near its corners, and the corner with the most
+/// Each orientation of the set is put at the centre of each voxel. Of 32 arm angles over the full turn, the one with the
+/// greatest manipulability (5.1) is solved in closed form, and of its branches within the limits the one that leaves the
+/// most room to them is taken; where the robot touches itself, the next follows. A torso stands at 7 positions, each
+/// with its best arm angle, which compete by the manipulability of all joints. A voxel of which nothing is reached at its centre is tried near its corners, and the corner with the most
 /// orientations stands for it: so the rim of the workspace, where a centre lies just outside, is in the map.
 ///
 /// * `arm`: index into [`Robot::arms`].
@@ -125,23 +126,39 @@ struct Worker<'a> {
     dexterity: Dexterity<'a>,
     scratch: Scratch,
     found: IkSet,
-    /// Configurations of all poses of a voxel, one after the other.
+    /// The poses that have a configuration: orientation, and where their tries begin.
+    poses: Vec<Pose>,
+    tries: Vec<Try>,
     q: Vec<f64>,
-    candidates: Vec<Candidate>,
-    /// The poses that have any: orientation, and where their candidates begin.
-    poses: Vec<(u16, usize)>,
-    /// One configuration of each group, and its manipulability.
-    group_q: Vec<f64>,
     placed: Vec<Placed>,
 }
 
-#[derive(Clone, Copy)]
+struct Pose {
+    orientation: u16,
+    /// Its tries.
+    begin: usize,
+    end: usize,
+    /// How many configurations were asked for.
+    asked: usize,
+}
+
+/// One pose seen from one position of the joint before the arm.
+struct Try {
+    stand: usize,
+    /// Arm angles that are used up have no manipulability.
+    glance: Glance,
+    /// The arm angle at which it is.
+    step: usize,
+    /// Its configurations, the last is the next to be asked for.
+    ready: Vec<Candidate>,
+    /// The one that was asked for last.
+    given: Candidate,
+}
+
+#[derive(Clone, Copy, Default)]
 struct Candidate {
-    code: u32,
-    /// Candidates of one arm angle have their joint axes in the same lines, hence the same manipulability.
-    group: usize,
-    /// Which configuration of the list.
-    index: usize,
+    q: [f64; 7],
+    branch: u8,
     /// Least distance of a joint from its limits, as a share of its range.
     room: f64,
 }
@@ -153,10 +170,9 @@ impl<'a> Worker<'a> {
             dexterity: Dexterity::new(&job.chain),
             scratch: Scratch::default(),
             found: IkSet::default(),
-            q: Vec::new(),
-            candidates: Vec::new(),
             poses: Vec::new(),
-            group_q: Vec::new(),
+            tries: Vec::new(),
+            q: Vec::new(),
             placed: Vec::new(),
         }
     }
@@ -183,97 +199,144 @@ impl<'a> Worker<'a> {
 
     /// All orientations at one point.
     fn solve(&mut self, voxel: usize, p_BH: &Point3<f64>) -> Vec<Reached> {
-        self.q.clear();
-        self.candidates.clear();
         self.poses.clear();
-        self.group_q.clear();
+        self.tries.clear();
         for orientation in 0..self.job.orientations.count() {
-            let begin = self.candidates.len();
-            self.sweep(p_BH, orientation, FIRST_ANGLES);
-            if self.candidates.len() == begin {
-                self.sweep(p_BH, orientation, ARM_ANGLES);
-            }
-            if self.candidates.len() > begin {
-                self.poses.push((orientation as u16, begin));
+            let begin = self.tries.len();
+            self.look(p_BH, orientation);
+            let end = self.tries.len();
+            if end > begin {
+                self.poses.push(Pose { orientation: orientation as u16, begin, end, asked: 0 });
             }
         }
-        if self.poses.is_empty() {
-            return Vec::new();
+        if self.job.closed.stands.len() > 1 {
+            self.sort_stands();
         }
-        self.measure();
-        let Self { job, scratch, q, candidates, poses, placed, .. } = self;
-        let end_of = |pose: usize| poses.get(pose + 1).map_or(candidates.len(), |next| next.1);
-        let manipulability = |candidate: &Candidate| placed[candidate.group].manipulability;
-        let ends: Vec<(usize, usize)> = (0..poses.len()).map(|pose| (poses[pose].1, end_of(pose))).collect();
-        for &(begin, end) in &ends {
-            candidates[begin..end].sort_by(|a, b| {
-                manipulability(b).total_cmp(&manipulability(a)).then_with(|| b.room.total_cmp(&a.room))
-            });
-        }
-        let joints = job.closed.joints();
-        let mut nth = |pose: usize, rank: usize, asked: &mut Vec<f64>| {
-            let (begin, end) = ends[pose];
-            let Some(candidate) = candidates[begin..end].get(rank) else { return false };
-            asked.extend_from_slice(&q[joints * candidate.index..joints * (candidate.index + 1)]);
-            true
+        let Self { job, scratch, found, poses, tries, .. } = self;
+        let count = poses.len();
+        let mut next = |pose: usize, asked: &mut Vec<f64>| {
+            let pose = &mut poses[pose];
+            let tries = &mut tries[pose.begin..pose.end];
+            // By turns, beginning with the best.
+            for _ in 0..tries.len() {
+                let this = &mut tries[pose.asked % (pose.end - pose.begin)];
+                pose.asked += 1;
+                if this.advance(&job.closed, found) {
+                    asked.extend(job.closed.stands[this.stand].lead.iter().chain(&this.given.q));
+                    return true;
+                }
+            }
+            false
         };
-        let free = job.clear.first_free(scratch, ends.len(), &mut nth);
-        let reached = free.iter().zip(poses.iter()).filter_map(|(rank, &(orientation, begin))| {
-            let candidate = &candidates[begin + (*rank)?];
-            Some(Reached {
-                voxel: voxel as u32,
-                orientation,
-                manipulability: manipulability(candidate),
-                code: candidate.code,
-            })
+        let is_free = job.clear.first_free(scratch, count, &mut next);
+        let free: Vec<(u16, &Try)> = poses
+            .iter()
+            .zip(is_free)
+            .filter(|(_, is_free)| *is_free)
+            .map(|(pose, _)| (pose.orientation, &tries[pose.begin + (pose.asked - 1) % (pose.end - pose.begin)]))
+            .collect();
+        self.q.clear();
+        self.q.extend(free.iter().flat_map(|(_, this)| job.closed.stands[this.stand].lead.iter().chain(&this.given.q)));
+        measure(&mut self.dexterity, &mut self.q, free.len(), &mut self.placed);
+        let reached = free.iter().zip(&self.placed).map(|((orientation, this), placed)| Reached {
+            voxel: voxel as u32,
+            orientation: *orientation,
+            manipulability: placed.manipulability,
+            code: Code { stand: this.stand, arm_angle: this.step, branch: this.given.branch }.pack(),
         });
         reached.collect()
     }
 
-    /// Adds the candidates of a pose at evenly spread arm angles.
-    fn sweep(&mut self, p_BH: &Point3<f64>, orientation: usize, arm_angles: usize) {
+    /// Adds the tries of a pose that have a configuration within the limits.
+    fn look(&mut self, p_BH: &Point3<f64>, orientation: usize) {
         let job = self.job;
-        let srs = &job.closed.srs;
-        let (upper_m, fore_m) = srs.lengths_m();
+        let (upper_m, fore_m) = job.closed.srs.lengths_m();
         let p_BW = p_BH + job.to_wrist[orientation];
-        for (number, stand) in job.closed.stands.iter().enumerate() {
+        for (stand_idx, stand) in job.closed.stands.iter().enumerate() {
             if (p_BW - stand.p_BS).norm_squared() > (upper_m + fore_m) * (upper_m + fore_m) {
                 continue;
             }
             let X_BH = Isometry3::from_parts((*p_BH).into(), job.orientations.rotations()[orientation]);
-            self.found.clear();
-            srs.sweep_into(&(stand.X_AB * X_BH), arm_angles, &mut self.found);
-            let mut last = None;
-            for solution in &self.found.solutions {
-                let this = (solution.arm_angle, solution.branch);
-                // A joint that turns by more than a full turn gives the same posture again.
-                if last == Some(this) {
-                    continue;
-                }
-                if last.is_none_or(|(arm_angle, _)| arm_angle != solution.arm_angle) {
-                    self.group_q.extend(stand.lead.iter().chain(&solution.q));
-                }
-                last = Some(this);
-                self.candidates.push(Candidate {
-                    code: Code::of(number, solution.arm_angle, solution.branch).pack(),
-                    group: self.group_q.len() / job.closed.joints() - 1,
-                    index: self.candidates.len(),
-                    room: room(&solution.q, srs.limits()),
-                });
-                self.q.extend(stand.lead.iter().chain(&solution.q));
+            let Some(glance) = job.closed.glancer.glance(&(stand.X_AB * X_BH)) else { continue };
+            let mut this = Try { stand: stand_idx, glance, step: 0, ready: Vec::new(), given: Candidate::default() };
+            if this.fill(&job.closed, &mut self.found) {
+                self.tries.push(this);
             }
         }
     }
 
-    /// Manipulability of all groups, in whole batches.
-    fn measure(&mut self) {
-        let joints = self.job.closed.joints();
-        let groups = self.group_q.len() / joints;
-        for _ in groups..groups.next_multiple_of(BATCH) {
-            self.group_q.extend_from_within(..joints);
+    /// Puts the tries of each pose in the order of the manipulability of all joints.
+    fn sort_stands(&mut self) {
+        let Self { job, tries, poses, q, placed, dexterity, .. } = self;
+        q.clear();
+        for this in tries.iter() {
+            // Whatever is added is ready at least once.
+            let first = this.ready.last().copied().unwrap_or_default();
+            q.extend(job.closed.stands[this.stand].lead.iter().chain(&first.q));
         }
-        self.dexterity.all(&self.group_q, &mut self.placed);
+        measure(dexterity, q, tries.len(), placed);
+        let mut ranked: Vec<(f64, Try)> =
+            placed.iter().map(|placed| placed.manipulability).zip(tries.drain(..)).collect();
+        for pose in poses.iter() {
+            ranked[pose.begin..pose.end].sort_by(|a, b| b.0.total_cmp(&a.0));
+        }
+        tries.extend(ranked.into_iter().map(|(_, this)| this));
     }
+}
+
+impl Try {
+    /// Makes the configurations of the most manipulable arm angle that is left ready, the one with the most room last;
+    /// `false` when no arm angle is left.
+    fn fill(&mut self, closed: &ClosedForm, found: &mut IkSet) -> bool {
+        loop {
+            let left = self.glance.manipulability.iter().enumerate();
+            let Some((step, most)) = left.max_by(|a, b| a.1.total_cmp(b.1)) else { return false };
+            if *most < 0.0 {
+                return false;
+            }
+            self.step = step;
+            self.glance.manipulability[step] = -1.0;
+            found.clear();
+            closed.glancer.solve_into(&self.glance, step, found);
+            let mut last = None;
+            for solution in &found.solutions {
+                // A joint that turns by more than a full turn gives the same posture again.
+                if last.replace(solution.branch) != Some(solution.branch) {
+                    let room = room(&solution.q, closed.srs.limits());
+                    self.ready.push(Candidate { q: solution.q, branch: solution.branch, room });
+                }
+            }
+            self.ready.sort_by(|a, b| a.room.total_cmp(&b.room));
+            self.ready.drain(..self.ready.len().saturating_sub(BRANCHES));
+            if !self.ready.is_empty() {
+                return true;
+            }
+        }
+    }
+
+    /// Takes the next configuration; `false` when there is none.
+    fn advance(&mut self, closed: &ClosedForm, found: &mut IkSet) -> bool {
+        if self.ready.is_empty() {
+            // All of an arm angle touch something: its neighbours are too much like it.
+            for neighbour in [self.step + 1, self.step + ARM_ANGLES - 1] {
+                self.glance.manipulability[neighbour % ARM_ANGLES] = -1.0;
+            }
+            self.fill(closed, found);
+        }
+        let next = self.ready.pop();
+        self.given = next.unwrap_or(self.given);
+        next.is_some()
+    }
+}
+
+/// Pose and manipulability of so many configurations, computed in whole batches.
+fn measure(dexterity: &mut Dexterity<'_>, q: &mut Vec<f64>, count: usize, placed: &mut Vec<Placed>) {
+    let joints = q.len().checked_div(count).unwrap_or(0);
+    for _ in count..count.next_multiple_of(BATCH) {
+        q.extend_from_within(..joints);
+    }
+    dexterity.all(q, placed);
+    placed.truncate(count);
 }
 
 fn room(q: &[f64; 7], limits: &[JointLimit; 7]) -> f64 {

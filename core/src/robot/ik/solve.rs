@@ -199,7 +199,7 @@ impl SrsArm {
         (normal, t.cross(&normal))
     }
 
-    fn solve_posed(&self, posed: &Posed, arm_angle: f64, set: &mut IkSet) {
+    pub(super) fn solve_posed(&self, posed: &Posed, arm_angle: f64, set: &mut IkSet) {
         let (sin, cos) = math::sin_cos(arm_angle);
         let normal = posed.normal * cos + posed.quarter * sin;
         for (elbow_bit, elbow) in posed.elbows.iter().enumerate() {
