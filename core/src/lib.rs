@@ -17,6 +17,7 @@ pub mod collision;
 pub mod experiment;
 pub mod fit;
 pub mod grasp;
+pub mod handover;
 pub mod job;
 pub mod library;
 pub mod loaded;
