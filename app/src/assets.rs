@@ -15,6 +15,9 @@ pub const DEMOS: [&str; 8] = ["mustard", "jar", "glass", "box-in", "box-on", "ac
 /// The robots that a scene may name.
 pub const ROBOT_NAMES: [&str; 2] = ["crichton", "alita"];
 
+/// Those to whom a robot hands things over.
+pub const RECEIVERS: [&str; 2] = ["hubo", "human"];
+
 /// Content of a file by its path in the repository: `robots/alita/alita.urdf`, `objects/mug_body.json`.
 pub fn read(path: &str) -> Option<&'static [u8]> {
     let (folder, rest) = path.split_once('/')?;
@@ -72,6 +75,15 @@ mod tests {
             for placed in &scene.objects {
                 library.object(&placed.object).expect("object");
             }
+        }
+    }
+
+    #[test]
+    fn every_receiver_has_two_arms_and_stands_and_kneels() {
+        for name in RECEIVERS {
+            let robot = library().robot(name).expect(name);
+            assert!(["left", "right"].iter().all(|arm| robot.arm(arm).is_some()), "{name}");
+            assert!(["standing", "kneeling"].iter().all(|posture| robot.posture(posture).is_some()), "{name}");
         }
     }
 

@@ -167,7 +167,7 @@ impl Palette {
             "shell" => (self.shell, Surface::Satin),
             "joint" => (self.joint, Surface::Satin),
             "accent" => (self.accent, Surface::Satin),
-            "rubber" => (material.rgba, Surface::Matte),
+            "rubber" | "cloth" | "skin" | "dark" => (material.rgba, Surface::Matte),
             "metal" => (material.rgba, Surface::Gloss),
             _ => (material.rgba, Surface::Satin),
         };

@@ -2,13 +2,15 @@
 
 mod choose;
 mod comfort;
+mod keep_out;
 mod places;
 mod plan;
 mod report;
 mod settings;
 mod side;
 
-pub use comfort::Comfort;
+pub use comfort::{ArmAngles, Comfort, ReceiverArm};
+pub use keep_out::{KeepOut, guarded, keep_out};
 pub use plan::{HandoverTask, plan_handover};
 pub use report::{HandoverReport, Place};
 pub use settings::{Agent, AgentGoal, Handover, PlaceChoice, Receiver};

@@ -21,7 +21,7 @@ fn distance(body: &CollisionBody, p_L: &Point3<f64>) -> f64 {
 #[test]
 fn drawn_links_stay_within_four_millimetres_of_their_collision_shapes() {
     let mut outside = Vec::new();
-    for robot in [samples::crichton(), samples::alita()] {
+    for robot in [samples::crichton(), samples::alita(), samples::hubo(), samples::human()] {
         for link in robot.links.iter().filter(|link| !link.collisions.is_empty()) {
             for visual in &link.visuals {
                 let Geometry::Mesh { file, mesh } = &visual.geometry else { continue };

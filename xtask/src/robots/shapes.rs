@@ -125,12 +125,12 @@ impl Section {
         Self { z, x, y, exponent }
     }
 
-    fn points(&self) -> Vec<V3> {
+    fn points(&self, around: usize) -> Vec<V3> {
         let (cx, hx) = (0.5 * (self.x[0] + self.x[1]), 0.5 * (self.x[1] - self.x[0]));
         let (cy, hy) = (0.5 * (self.y[0] + self.y[1]), 0.5 * (self.y[1] - self.y[0]));
-        (0..SECTION)
+        (0..around)
             .map(|j| {
-                let (sin, cos) = (TAU * j as f64 / SECTION as f64).sin_cos();
+                let (sin, cos) = (TAU * j as f64 / around as f64).sin_cos();
                 let power = |v: f64| v.signum() * v.abs().powf(2.0 / self.exponent);
                 [cx + hx * power(cos), cy + hy * power(sin), self.z]
             })
@@ -140,7 +140,12 @@ impl Section {
 
 /// A smooth body through sections from the lowest to the highest, closed at both ends.
 pub(super) fn loft(sections: &[Section]) -> Surface {
-    let mut rows: Vec<Vec<V3>> = sections.iter().map(Section::points).collect();
+    loft_with(sections, SECTION)
+}
+
+/// As [`loft`], with a number of points around of its own for small parts.
+pub(super) fn loft_with(sections: &[Section], around: usize) -> Surface {
+    let mut rows: Vec<Vec<V3>> = sections.iter().map(|section| section.points(around)).collect();
     let cap = |row: &Vec<V3>| {
         let sum = row.iter().fold([0.0; 3], |sum, p| [sum[0] + p[0], sum[1] + p[1], sum[2] + p[2]]);
         vec![sum.map(|x| x / row.len() as f64); row.len()]
