@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 
 use nalgebra::{Isometry3, Translation3};
 
-use crate::handover::{Agent, Handover};
+use crate::handover::{Agent, Handover, PERSON, guarded};
 use crate::object::{HouseholdObject, ObjectError};
 use crate::reach::{ForwardSettings, ReachError, ReachMap, build_forward};
 use crate::robot::{HandDescription, HandError, Robot, RobotError, load_robot};
@@ -148,7 +148,9 @@ impl Library {
         let q = other.posture(posture).ok_or_else(no_posture)?;
         let height_m = floor_m + other.standing_height_m(q) + STANDING_GAP_M;
         let X_WR = wanted.X_WA * Translation3::new(0.0, 0.0, height_m);
-        let both = Arc::new(robot.beside(&other, q, model, &X_WR));
+        // A person has a space about head and body that the giver stays out of.
+        let guarded_person = (model == PERSON).then(|| guarded(&other));
+        let both = Arc::new(robot.beside(guarded_person.as_ref().unwrap_or(&other), q, model, &X_WR));
         *together = Some((wanted, both.clone()));
         Ok(both)
     }

@@ -4,6 +4,9 @@ use std::collections::BTreeSet;
 
 use crate::robot::{CollisionBody, Geometry, Joint, JointKind, Link, Robot};
 
+/// How the names of keep-outs end.
+pub const KEEP_OUT: &str = "_keep_out";
+
 /// Links that get a keep-out, and how far it goes beyond their bodies, metres.
 const MARGINS: [(&str, f64); 3] = [("head", 0.15), ("torso", 0.05), ("pelvis", 0.05)];
 
@@ -25,7 +28,7 @@ pub fn keep_out(receiver: &Robot) -> Vec<KeepOut> {
     let around = |&(name, margin_m): &(&str, f64)| {
         let link = receiver.link_index(name)?;
         let bodies = receiver.links[link].collisions.iter().map(|body| grown(body, margin_m)).collect();
-        Some(KeepOut { name: format!("{name}_keep_out"), link, margin_m, bodies })
+        Some(KeepOut { name: format!("{name}{KEEP_OUT}"), link, margin_m, bodies })
     };
     MARGINS.iter().filter_map(around).collect()
 }

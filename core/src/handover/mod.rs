@@ -10,7 +10,7 @@ mod settings;
 mod side;
 
 pub use comfort::{ArmAngles, Comfort, ReceiverArm};
-pub use keep_out::{KeepOut, guarded, keep_out};
+pub use keep_out::{KEEP_OUT, KeepOut, guarded, keep_out};
 pub use plan::{HandoverTask, plan_handover};
 pub use report::{HandoverReport, Place};
-pub use settings::{Agent, AgentGoal, Handover, PlaceChoice, Receiver};
+pub use settings::{Agent, AgentGoal, Handover, PERSON, PlaceChoice, Receiver};

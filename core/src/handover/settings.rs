@@ -10,6 +10,9 @@ const MAX_FURNITURE: usize = 32;
 /// Nobody stands farther than this from the robot, metres.
 const MAX_APART_M: f64 = 5.0;
 
+/// Model of a receiver that is a person.
+pub const PERSON: &str = "human";
+
 /// The object goes from the hand that takes it to another hand before it goes to its goal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Handover {

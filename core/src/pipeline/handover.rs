@@ -9,14 +9,16 @@ use super::rank::grasp_candidates;
 use crate::collision::{MayTouch, Party, World};
 use crate::fit::Fit;
 use crate::grasp::{Grasp, HandModel, Touched};
-use crate::handover::{Agent, AgentGoal, Handover, HandoverTask, PlaceChoice, Receiver, plan_handover};
+use crate::handover::{
+    Agent, AgentGoal, Handover, HandoverTask, KEEP_OUT, PERSON, PlaceChoice, Receiver, ReceiverArm, plan_handover,
+};
 use crate::job::Refusal;
 use crate::library::Library;
 use crate::reach::ReachMap;
 use crate::robot::{Arm, Robot};
 use crate::robot::ik::ArmIk;
 use crate::scene::{Action, ArmChoice, Scene, Step};
-use crate::task::{Partners, Plan, Workcell};
+use crate::task::{Partners, Plan, TARGET, Workcell};
 use crate::watch::Watch;
 
 /// What reasons call the floor.
@@ -118,8 +120,13 @@ impl HandoverInput<'_> {
         // At the handover nothing but the giver stands around the object.
         let alone = Workcell { world: World::new(), ..receiver.clone() };
         let grasps = grasp_candidates(&alone, self.target, (self.touched)()?, &self.scene.grasp)?;
-        let may_touch = self.handover.agent().map(|agent| standing(robot, agent)).unwrap_or_default();
+        let mut may_touch = self.handover.agent().map(|agent| standing(robot, agent)).unwrap_or_default();
+        // The object may come near the person who takes it; in the giver's hand it keeps away as the giver does.
+        let own_space = || (0..robot.links.len()).filter(|&link| robot.links[link].name.ends_with(KEEP_OUT));
+        let near = |link, b| MayTouch { a: Party::Link(link), b, depth_m: f64::INFINITY };
+        may_touch.extend(own_space().map(|link| near(link, Party::Obstacle(TARGET.to_owned()))));
         let giver = Workcell { stops: Vec::new(), may_touch: may_touch.clone(), ..self.giver.clone() };
+        may_touch.extend(own_space().map(|link| near(link, Party::Carried)));
         let receiver = Workcell { may_touch, ..receiver };
         Ok((Partners { giver, receiver }, grasps))
     }
@@ -153,6 +160,8 @@ impl HandoverInput<'_> {
         // Both hands of one robot: the middle between start and goal decides, not who is more comfortable (6.1).
         let is_own = self.handover.receiver == Receiver::OtherHand;
         let choice = PlaceChoice { receiver_first: choice.receiver_first && !is_own, ..*choice };
+        let receiver = &partners.receiver;
+        let person = (model == PERSON).then(|| ReceiverArm::of(&receiver.robot, receiver.arm())).flatten();
         let task = HandoverTask {
             partners,
             grasps: [self.grasps, receiver_grasps],
@@ -160,7 +169,7 @@ impl HandoverInput<'_> {
             lets_go: agent.is_none_or(|agent| agent.goal.is_some_and(|goal| goal.lets_go)),
             choice: &choice,
             motion: &self.scene.motion,
-            cost: &|_| None,
+            cost: &|q| person.as_ref().map(|arm| arm.comfort(q)),
             seed: self.scene.seed,
         };
         plan_handover(&task, watch)
