@@ -23,6 +23,8 @@ const APART_M: f64 = 0.075;
 const LINE_WEIGHT: f64 = 0.3;
 const GIVER_WEIGHT: f64 = 0.2;
 const COMFORT_WEIGHT: f64 = 1.0;
+/// What it counts for that the receiver gets the object by its handle.
+const HANDLE_WEIGHT: f64 = 0.5;
 /// Configurations of an arm that are kept.
 const KEPT: usize = 6;
 
@@ -36,6 +38,7 @@ pub(super) struct Choice {
     pub(super) q: [Vec<Vec<f64>>; 2],
     pub(super) m_g: [f64; 2],
     pub(super) off_line_rad: f64,
+    pub(super) by_handle: bool,
     pub(super) comfort: Option<Comfort>,
     pub(super) score: f64,
 }
@@ -58,12 +61,12 @@ pub(super) fn choose(
     way: &Way,
     settings: &PlaceChoice,
     motion: &MotionSettings,
-    cost: &Cost<'_>,
+    (handle, cost): (Option<usize>, &Cost<'_>),
     should_stop: &(dyn Fn() -> bool + Sync),
 ) -> Choices {
     let (spots, voxels) = spots(giver, receiver, way, settings);
     let pairs = Pairs::new(giver, receiver);
-    let look = Look { giver, receiver, pairs: &pairs, settings, motion, cost };
+    let look = Look { giver, receiver, pairs: &pairs, settings, motion, handle, cost };
     let mut choices: Vec<Choice> = Vec::new();
     let mut looked_at = 0;
     for some in spots[..spots.len().min(MOST_SPOTS)].chunks(AT_ONCE) {
@@ -113,6 +116,7 @@ struct Look<'a> {
     pairs: &'a Pairs,
     settings: &'a PlaceChoice,
     motion: &'a MotionSettings,
+    handle: Option<usize>,
     cost: &'a Cost<'a>,
 }
 
@@ -174,9 +178,8 @@ impl Look<'_> {
     /// Whether the receiver's open hand can come while the giver holds the object, and the giver's open hand can leave
     /// while the receiver holds it. Everything is in the object's frame.
     fn come_and_go(&self, give: &Candidate, take: &Candidate) -> bool {
-        let away = |grasp: &Grasp, share: f64| {
-            grasp.X_OH * Translation3::new(0.0, 0.0, -share * self.motion.min_approach_m)
-        };
+        let away =
+            |grasp: &Grasp, share: f64| grasp.X_OH * Translation3::new(0.0, 0.0, -share * self.motion.min_approach_m);
         [0.0, 0.3, 0.7, 1.0].iter().all(|&share| {
             let (leaves, comes) = (away(&give.grasp, share), away(&take.grasp, share));
             let [open_give, open_take] = [&self.giver.open, &self.receiver.open];
@@ -199,24 +202,27 @@ impl Look<'_> {
                 .iter()
                 .map(|q| {
                     let comfort = (self.cost)(q);
-                    (comfort.as_ref().map_or(0.0, |comfort| comfort.total), comfort, q.clone())
+                    (comfort.map_or(0.0, |comfort| comfort.total), comfort, q.clone())
                 })
                 .collect();
             costs.sort_by(|l, r| l.0.total_cmp(&r.0));
-            comfort = costs.first().and_then(|(_, comfort, _)| comfort.clone());
+            comfort = costs.first().and_then(|(_, comfort, _)| *comfort);
             q_take = costs.into_iter().take(KEPT).map(|(_, _, q)| q).collect();
         } else if let Some(q) = q_take.first() {
             comfort = (self.cost)(q);
         }
         let m_g = [give.m_g, take.m_g];
+        let by_handle = self.handle == Some(taking.part);
         let score = if self.settings.receiver_first {
-            take.m_g / self.receiver.most_of_arm() + LINE_WEIGHT * 0.5 * (1.0 + libm::cos(off_line_rad))
+            take.m_g / self.receiver.most_of_arm()
+                + LINE_WEIGHT * 0.5 * (1.0 + libm::cos(off_line_rad))
+                + if by_handle { HANDLE_WEIGHT } else { 0.0 }
                 + GIVER_WEIGHT * give.m_g / self.giver.most_of_arm()
-                - COMFORT_WEIGHT * comfort.as_ref().map_or(0.0, |comfort| comfort.total)
+                - COMFORT_WEIGHT * comfort.map_or(0.0, |comfort| comfort.total)
         } else {
             -spot.off_way_m
         };
         let q = [give.q.into_iter().take(KEPT).collect(), q_take];
-        Choice { spot: spot.clone(), X_WO, candidates, q, m_g, off_line_rad, comfort, score }
+        Choice { spot: spot.clone(), X_WO, candidates, q, m_g, off_line_rad, by_handle, comfort, score }
     }
 }

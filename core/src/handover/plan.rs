@@ -33,6 +33,8 @@ pub struct HandoverTask<'a> {
     pub choice: &'a PlaceChoice,
     /// How the arms move.
     pub motion: &'a MotionSettings,
+    /// The part of the object that is its handle, if it has one: the receiver is offered that.
+    pub handle: Option<usize>,
     /// What a posture of the receiver's arm costs a person.
     pub cost: &'a Cost<'a>,
     /// Seed of the searches.
@@ -59,10 +61,15 @@ pub fn plan_handover(task: &HandoverTask<'_>, watch: Watch<'_>) -> Result<Plan, 
             return Err(Refusal::new(message).with_details(counted(&side.rejected)));
         }
     }
+    let mut take = take;
+    if let Some(handle) = task.handle.filter(|_| task.choice.receiver_first) {
+        // A stable sort: among the grasps of the handle and among the others the order stays.
+        take.candidates.sort_by_key(|candidate| candidate.grasp.part != handle);
+    }
     // Without a goal the object is drawn to the receiver.
     let towards = || Isometry3::from_parts(Translation3::from(take.shoulder().coords), giver.X_WO_start.rotation);
     let way = Way { X_WO_start: giver.X_WO_start, X_WO_goal: goal.unwrap_or_else(towards) };
-    let found = choose(&give, &take, &way, task.choice, task.motion, task.cost, &|| watch.should_stop());
+    let found = choose(&give, &take, &way, task.choice, task.motion, (task.handle, task.cost), &|| watch.should_stop());
     if watch.should_stop() {
         return Err(Refusal::new("stopped"));
     }
@@ -128,7 +135,8 @@ fn place(choice: &Choice, sides: [&Side<'_>; 2], refused: Option<String>) -> Pla
         m_g: choice.m_g,
         off_line_rad: choice.off_line_rad,
         off_way_m: choice.spot.off_way_m,
-        comfort: choice.comfort.clone(),
+        by_handle: choice.by_handle,
+        comfort: choice.comfort,
         score: choice.score,
         refused,
     }
@@ -161,7 +169,6 @@ fn no_place(give: &Side<'_>, take: &Side<'_>, found: &Choices) -> Refusal {
         found.looked_at, found.voxels
     );
     let [giver, receiver] = [give, take].map(|side| side.candidates.len());
-    let details =
-        vec![format!("{giver} grasps of the {} arm, {receiver} of the {} arm in each", names[0], names[1])];
+    let details = vec![format!("{giver} grasps of the {} arm, {receiver} of the {} arm in each", names[0], names[1])];
     Refusal::new(message).with_details(details)
 }

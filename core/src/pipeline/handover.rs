@@ -15,12 +15,15 @@ use crate::handover::{
 use crate::job::Refusal;
 use crate::library::Library;
 use crate::reach::ReachMap;
-use crate::robot::{Arm, Robot};
 use crate::robot::ik::ArmIk;
+use crate::robot::{Arm, Robot};
 use crate::scene::{Action, ArmChoice, Scene, Step};
+use crate::superquadric::Superquadric;
 use crate::task::{Partners, Plan, TARGET, Workcell};
 use crate::watch::Watch;
 
+/// A body this many times as long as wide is a handle.
+const SLENDER: f64 = 3.0;
 /// What reasons call the floor.
 const FLOOR: &str = "floor";
 /// The floor: an upper face just below 0, so that what stands on it does not touch it, metres.
@@ -169,11 +172,25 @@ impl HandoverInput<'_> {
             lets_go: agent.is_none_or(|agent| agent.goal.is_some_and(|goal| goal.lets_go)),
             choice: &choice,
             motion: &self.scene.motion,
+            handle: handle(self.target),
             cost: &|q| person.as_ref().map(|arm| arm.comfort(q)),
             seed: self.scene.seed,
         };
         plan_handover(&task, watch)
     }
+}
+
+/// The body of a composite that is its handle: the most slender one.
+fn handle(fit: &Fit) -> Option<usize> {
+    let slenderness = |body: &Superquadric| {
+        let mut semi_axes: Vec<f64> = body.semi_axes().iter().copied().collect();
+        semi_axes.sort_by(f64::total_cmp);
+        semi_axes[2] / semi_axes[1]
+    };
+    let bodies: Vec<f64> = fit.bodies().map(slenderness).collect();
+    let slender = bodies.iter().enumerate().filter(|(_, slenderness)| **slenderness >= SLENDER);
+    let most = slender.max_by(|l, r| l.1.total_cmp(r.1)).map(|(index, _)| index);
+    most.filter(|_| bodies.len() > 1)
 }
 
 /// What stands still may touch what it stands on: no motion changes that.
@@ -188,8 +205,11 @@ fn standing(robot: &Robot, agent: &Agent) -> Vec<MayTouch> {
         moves[child] = moves[joint.parent] || robot.arms.iter().any(is_of_arm);
     }
     let still = (0..robot.links.len()).filter(|&link| !moves[link]);
-    let contact =
-        |link, name: &str| MayTouch { a: Party::Link(link), b: Party::Obstacle(name.to_owned()), depth_m: f64::INFINITY };
+    let contact = |link, name: &str| MayTouch {
+        a: Party::Link(link),
+        b: Party::Obstacle(name.to_owned()),
+        depth_m: f64::INFINITY,
+    };
     let names = || agent.furniture.iter().map(|piece| piece.name.as_str()).chain([FLOOR]);
     still.flat_map(|link| names().map(move |name| contact(link, name))).collect()
 }
