@@ -50,10 +50,12 @@ pub fn plan_handover(task: &HandoverTask<'_>, watch: Watch<'_>) -> Result<Plan, 
     let goal = receiver.X_WO_goal();
     let refuse = |error: &dyn std::error::Error| Refusal::new(error.to_string());
     let start = (EndKind::Start, &[giver.X_WO_start][..]);
-    let give = Side::new(giver, task.maps[0], task.motion, task.grasps[0], start).map_err(|error| refuse(&error))?;
+    let give =
+        Side::new(giver, Some(task.maps[0]), task.motion, task.grasps[0], start).map_err(|error| refuse(&error))?;
     let kind = if task.lets_go { EndKind::Goal } else { EndKind::Held };
     let end = (kind, receiver.stops.last().map_or(&[][..], |stop| &stop.poses_WO));
-    let take = Side::new(receiver, task.maps[1], task.motion, task.grasps[1], end).map_err(|error| refuse(&error))?;
+    let take =
+        Side::new(receiver, Some(task.maps[1]), task.motion, task.grasps[1], end).map_err(|error| refuse(&error))?;
     for (side, end, of) in [(&give, "start", task.grasps[0]), (&take, "goal", task.grasps[1])] {
         if side.candidates.is_empty() {
             let arm = &side.cell.arm().name;
@@ -103,7 +105,7 @@ pub fn plan_handover(task: &HandoverTask<'_>, watch: Watch<'_>) -> Result<Plan, 
                     plan.handover = Some(Box::new(HandoverReport {
                         arms: [&give, &take].map(|side| side.cell.arm().name.clone()),
                         shoulders: [give.shoulder(), take.shoulder()],
-                        voxel_m: take.map.voxel_m(),
+                        voxel_m: task.maps[1].voxel_m(),
                         grasps: [give.candidates.len(), take.candidates.len()],
                         voxels: found.voxels,
                         places,

@@ -17,7 +17,8 @@ const WITH_WAYS: usize = 4;
 /// An arm that gives or takes.
 pub(super) struct Side<'a> {
     pub(super) cell: &'a Workcell,
-    pub(super) map: &'a ReachMap,
+    /// `None` where no place is looked for.
+    pub(super) map: Option<&'a ReachMap>,
     /// Base of the arm in the world.
     pub(super) X_WB: Isometry3<f64>,
     /// Grasps that serve the start (giver) or the goal (receiver), the most manipulable there first.
@@ -55,7 +56,7 @@ impl<'a> Side<'a> {
     /// which it is the most manipulable; without a pose all are kept.
     pub(super) fn new(
         cell: &'a Workcell,
-        map: &'a ReachMap,
+        map: Option<&'a ReachMap>,
         motion: &'a MotionSettings,
         grasps: &[Grasp],
         end: (EndKind, &[Isometry3<f64>]),
@@ -74,7 +75,8 @@ impl<'a> Side<'a> {
             open: HandChecker::new(&cell.model, &cell.world, &cell.may_touch, cell.arm_index, &cell.hand.open)?,
             motion,
             rejected: Vec::new(),
-            most: map.voxels().map(|voxel| map.mean_manipulability(voxel)).fold(1e-12, f64::max),
+            most: map
+                .map_or(1e-12, |map| map.voxels().map(|voxel| map.mean_manipulability(voxel)).fold(1e-12, f64::max)),
             arm: cell.checker(&empty)?,
             q_now: cell.arm().dofs.iter().map(|&dof| cell.q_start[dof]).collect(),
         };
@@ -222,9 +224,26 @@ impl<'a> Side<'a> {
 
     /// Share of the map's largest mean manipulability that the voxel around a point of the world has; 0 out of reach.
     pub(super) fn share(&self, p_W: &Point3<f64>) -> f64 {
-        let voxel = self.map.voxel_at(&self.X_WB.inverse_transform_point(p_W));
-        voxel.map_or(0.0, |voxel| self.map.mean_manipulability(voxel) / self.most)
+        let mean = |map: &ReachMap| {
+            let voxel = map.voxel_at(&self.X_WB.inverse_transform_point(p_W))?;
+            Some(map.mean_manipulability(voxel) / self.most)
+        };
+        self.map.and_then(mean).unwrap_or(0.0)
     }
+}
+
+/// How many grasps of an arm serve a pose of the object at which it is taken up or put down.
+///
+/// # Errors
+/// [`CollisionError`] when bodies make no sense.
+pub(crate) fn count_serving(
+    cell: &Workcell,
+    motion: &MotionSettings,
+    grasps: &[Grasp],
+    poses: &[Isometry3<f64>],
+) -> Result<usize, CollisionError> {
+    let end = (EndKind::Goal, poses);
+    Ok(if poses.is_empty() { 0 } else { Side::new(cell, None, motion, grasps, end)?.candidates.len() })
 }
 
 /// Which end of the object's way a side serves.

@@ -10,7 +10,8 @@ use crate::collision::{MayTouch, Party, World};
 use crate::fit::Fit;
 use crate::grasp::{Grasp, HandModel, Touched};
 use crate::handover::{
-    Agent, AgentGoal, Handover, HandoverTask, KEEP_OUT, PERSON, PlaceChoice, Receiver, ReceiverArm, plan_handover,
+    Agent, AgentGoal, Handover, HandoverTask, KEEP_OUT, PERSON, PlaceChoice, Receiver, ReceiverArm, count_serving,
+    plan_handover,
 };
 use crate::job::Refusal;
 use crate::library::Library;
@@ -140,7 +141,24 @@ impl HandoverInput<'_> {
     /// The [`Refusal`] of [`plan_handover`].
     pub(crate) fn plan(&self, watch: Watch<'_>) -> Result<Plan, Refusal> {
         let (partners, receiver_grasps) = self.partners()?;
-        self.plan_between(&partners, &receiver_grasps, &self.handover.choice, watch)
+        self.plan_between(&partners, &receiver_grasps, watch)
+    }
+
+    /// How many grasps of each arm serve the object's start, and its goal.
+    ///
+    /// # Errors
+    /// A [`Refusal`] when bodies make no sense.
+    pub(crate) fn serving(&self, partners: &Partners, receiver_grasps: &[Grasp]) -> Result<Serving, Refusal> {
+        let Partners { giver, receiver } = partners;
+        let goal = receiver.stops.last().map_or(&[][..], |stop| &stop.poses_WO);
+        let start = [giver.X_WO_start];
+        let count = |cell: &Workcell, grasps: &[Grasp], poses: &[Isometry3<f64>]| {
+            count_serving(cell, &self.scene.motion, grasps, poses).map_err(|error| refusal(&error))
+        };
+        Ok(Serving {
+            giver: (count(giver, self.grasps, &start)?, count(giver, self.grasps, goal)?),
+            receiver: (count(receiver, receiver_grasps, &start)?, count(receiver, receiver_grasps, goal)?),
+        })
     }
 
     /// Plans it with candidates that are known already.
@@ -151,9 +169,9 @@ impl HandoverInput<'_> {
         &self,
         partners: &Partners,
         receiver_grasps: &[Grasp],
-        choice: &PlaceChoice,
         watch: Watch<'_>,
     ) -> Result<Plan, Refusal> {
+        let choice = &self.handover.choice;
         let agent = self.handover.agent();
         let model = agent.map_or(self.scene.robot.as_str(), |agent| agent.model.as_str());
         let prefix = agent.map_or(String::new(), |agent| format!("{}_", agent.model));
@@ -212,6 +230,12 @@ fn standing(robot: &Robot, agent: &Agent) -> Vec<MayTouch> {
     };
     let names = || agent.furniture.iter().map(|piece| piece.name.as_str()).chain([FLOOR]);
     still.flat_map(|link| names().map(move |name| contact(link, name))).collect()
+}
+
+/// Grasps of an arm that serve the object's start, and its goal.
+pub(crate) struct Serving {
+    pub(crate) giver: (usize, usize),
+    pub(crate) receiver: (usize, usize),
 }
 
 /// The arm that receives: the one that was chosen, the robot's other one, or the agent's whose shoulder is nearer.
