@@ -1,8 +1,8 @@
 //! `experiment`, the tables on grasps and plans: `prioritization`, `grasps` and `motion`.
 
 use endcomfort_core::experiment::{
-    FeasibleRow, GraspExperiment, GraspExperimentSettings, HandoverRow, MotionRow, PriorityRow, Record, Summary, run_feasible,
-    run_handover, run_motion, run_prioritization, thesis_handover,
+    FeasibleRow, GraspExperiment, GraspExperimentSettings, HandoverRow, MotionRow, PriorityRow, Record, Summary,
+    run_feasible, run_handover, run_motion, run_prioritization, thesis_handover,
 };
 
 use super::experiment::{Args, digits, watched, write_records};
@@ -263,7 +263,7 @@ fn print_handover(rows: &[HandoverRow]) {
     let whole = |summary: Option<Summary>| summary.map(|s| format!("{:.0}", s.mean)).unwrap_or_default();
     let pair = |m: Option<[f64; 2]>| m.map(|[mean, half]| format!("{mean:.4} ± {half:.4}")).unwrap_or_default();
     for row in rows {
-        table.row(vec![
+        table.push(vec![
             "here".to_owned(),
             row.scenario.clone(),
             if row.receiver_first { "receiver first" } else { "nearest to the way" }.to_owned(),
@@ -283,7 +283,7 @@ fn print_handover(rows: &[HandoverRow]) {
             let [giver, receiver, places] = thesis.counts.map(|count| count.to_string());
             let (success, plan_ms) = (format!("{}/100", thesis.success), digits(1e3 * thesis.plan_s));
             let nothing = String::new;
-            table.row(vec![
+            table.push(vec![
                 "thesis".to_owned(),
                 row.scenario.clone(),
                 nothing(),
@@ -301,7 +301,7 @@ fn print_handover(rows: &[HandoverRow]) {
             ]);
         }
     }
-    table.print();
+    println!("{table}");
     println!("\nplan ms: mean, from candidate grasps to the timed plan; grasps ms: their synthesis for both hands");
     println!("m receiver: manipulability of the receiver's arm when its hand has closed; ±: 95 % confidence");
 }

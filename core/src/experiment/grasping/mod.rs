@@ -18,7 +18,7 @@ mod testing;
 
 pub use cases::Condition;
 pub use feasible::{ENOUGH, FeasibleCase, FeasibleOutcome, FeasibleRow, run_feasible};
-pub use handover::{HandoverCase, HandoverOutcome, HandoverRow, ThesisHandover, run_handover, thesis_handover};
+pub use handover::{Handed, HandoverCase, HandoverOutcome, HandoverRow, ThesisHandover, run_handover, thesis_handover};
 pub use motion::{MotionCase, MotionOutcome, MotionRow, Planned, run_motion};
 pub use prioritization::{PrioritizationOutcome, run_prioritization};
 pub use priority_row::{Excluded, ExcludedCounts, PriorityCase, PriorityRow};
