@@ -120,7 +120,11 @@ impl Library {
         let no_arm = || LibraryError::NoArm { robot: name.to_owned(), arm: arm.to_owned() };
         let index = robot.arms.iter().position(|found| found.name == arm).ok_or_else(no_arm)?;
         let settings = ForwardSettings { samples: MAP_SAMPLES, ..ForwardSettings::default() };
-        let map = build_forward(&robot, index, &settings, Watch::idle()).map_err(|source| LibraryError::Map { robot: name.to_owned(), arm: arm.to_owned(), source })?;
+        let map = build_forward(&robot, index, &settings, Watch::idle()).map_err(|source| LibraryError::Map {
+            robot: name.to_owned(),
+            arm: arm.to_owned(),
+            source,
+        })?;
         lock(&self.maps).insert(key, map.clone());
         Ok(map)
     }

@@ -10,7 +10,11 @@ use crate::robot::Dexterity;
 use crate::task::{LEAST_LIFT, MotionSettings, Workcell};
 
 /// Arm angles over a full turn at which a grasp is looked at.
-const ARM_ANGLES: usize = 12;
+const ARM_ANGLES: usize = 8;
+/// Configurations of a hand pose that are looked for, the most manipulable first.
+const CONFIGURATIONS: usize = 8;
+/// Poses of a soft goal that a grasp serves before no further ones are looked at.
+const ENOUGH_POSES: usize = 3;
 /// Configurations of a grasp whose straight ways are looked for later.
 const WITH_WAYS: usize = 4;
 
@@ -47,7 +51,7 @@ pub(super) struct Candidate {
 pub(super) struct Held {
     /// The most manipulable first.
     pub(super) q: Vec<Vec<f64>>,
-    /// Mean of the manipulabilities (5.2).
+    /// Mean of their manipulabilities: (5.2) over the best few.
     pub(super) m_g: f64,
 }
 
@@ -112,11 +116,19 @@ impl<'a> Side<'a> {
         }
         let mut best: Option<(&Isometry3<f64>, Held)> = None;
         let mut first = None;
+        let mut served = 0;
         for X_WO in poses {
+            if served == ENOUGH_POSES {
+                break;
+            }
             let X_WH = X_WO * grasp.X_OH;
             match self.held(&candidate, &X_WH).and_then(|held| self.with_ways(held, kind, &X_WH)) {
-                Ok(held) if best.as_ref().is_none_or(|(_, known)| known.m_g < held.m_g) => best = Some((X_WO, held)),
-                Ok(_) => {}
+                Ok(held) => {
+                    served += 1;
+                    if best.as_ref().is_none_or(|(_, known)| known.m_g < held.m_g) {
+                        best = Some((X_WO, held));
+                    }
+                }
                 Err(reason) => first = first.or(Some(reason)),
             }
         }
@@ -186,29 +198,33 @@ impl<'a> Side<'a> {
     pub(super) fn configurations(&self, X_WH: &Isometry3<f64>) -> Result<Held, Obstruction> {
         let cell = self.cell;
         let found = cell.ik.set(&self.X_WB.inv_mul(X_WH), &self.q_now, ARM_ANGLES);
+        let solutions: Vec<&[f64]> = found.iter().collect();
+        let mut placed = Vec::new();
+        Dexterity::new(cell.ik.chain()).all(&solutions.concat(), &mut placed);
+        let mut order: Vec<usize> = (0..solutions.len()).collect();
+        order.sort_by(|&l, &r| placed[r].manipulability.total_cmp(&placed[l].manipulability).then(l.cmp(&r)));
         let mut scratch = Scratch::default();
         let mut hit = None;
-        let mut is_free = |q: &&[f64]| match self.arm.first_hit_besides_hand(&mut scratch, q) {
-            Some(found) => {
-                hit = hit.take().or(Some(found));
-                false
+        let (mut q, mut sum) = (Vec::new(), 0.0);
+        for index in order {
+            match self.arm.first_hit_besides_hand(&mut scratch, solutions[index]) {
+                Some(found) => hit = hit.or(Some(found)),
+                None => {
+                    q.push(solutions[index].to_vec());
+                    sum += placed[index].manipulability;
+                }
             }
-            None => true,
-        };
-        let free: Vec<&[f64]> = found.iter().filter(&mut is_free).collect();
-        if free.is_empty() {
+            if q.len() == CONFIGURATIONS {
+                break;
+            }
+        }
+        if q.is_empty() {
             let none = || Obstruction::Invalid { reason: "no arm configuration".to_owned() };
             return Err(hit
                 .map(Obstruction::from)
                 .or(found.rejected.first().map(Obstruction::from))
                 .unwrap_or_else(none));
         }
-        let mut placed = Vec::new();
-        Dexterity::new(cell.ik.chain()).all(&free.concat(), &mut placed);
-        let sum: f64 = placed.iter().map(|placed| placed.manipulability).sum();
-        let mut order: Vec<usize> = (0..free.len()).collect();
-        order.sort_by(|&l, &r| placed[r].manipulability.total_cmp(&placed[l].manipulability).then(l.cmp(&r)));
-        let q: Vec<Vec<f64>> = order.into_iter().map(|index| free[index].to_vec()).collect();
         Ok(Held { m_g: sum / q.len() as f64, q })
     }
 
