@@ -180,9 +180,14 @@ impl HandoverInput<'_> {
         let giver_map = map_of(self.library, &self.scene.robot, &partners.giver.arm().name)?;
         // Both hands of one robot: the middle between start and goal decides, not who is more comfortable (6.1).
         let is_own = self.handover.receiver == Receiver::OtherHand;
-        let choice = PlaceChoice { receiver_first: choice.receiver_first && !is_own, ..*choice };
+        let is_person = model == PERSON;
+        let choice = PlaceChoice {
+            receiver_first: choice.receiver_first && !is_own,
+            hand_speed_m_s: if is_person { choice.hand_speed_m_s } else { f64::INFINITY },
+            ..*choice
+        };
         let receiver = &partners.receiver;
-        let person = (model == PERSON).then(|| ReceiverArm::of(&receiver.robot, receiver.arm())).flatten();
+        let person = is_person.then(|| ReceiverArm::of(&receiver.robot, receiver.arm())).flatten();
         let task = HandoverTask {
             partners,
             grasps: [self.grasps, receiver_grasps],
