@@ -135,13 +135,14 @@ impl HandoverInput<'_> {
         Ok((Partners { giver, receiver }, grasps))
     }
 
-    /// Plans it.
+    /// Plans it; also the two arms.
     ///
     /// # Errors
     /// The [`Refusal`] of [`plan_handover`].
-    pub(crate) fn plan(&self, watch: Watch<'_>) -> Result<Plan, Refusal> {
+    pub(crate) fn plan(&self, watch: Watch<'_>) -> Result<(Plan, Partners), Refusal> {
         let (partners, receiver_grasps) = self.partners()?;
-        self.plan_between(&partners, &receiver_grasps, watch)
+        let plan = self.plan_between(&partners, &receiver_grasps, watch)?;
+        Ok((plan, partners))
     }
 
     /// How many grasps of each arm serve the object's start, and its goal.

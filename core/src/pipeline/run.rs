@@ -11,7 +11,7 @@ use crate::job::{
     FitOutput, GraspsOutput, Output, RankOutput, Refusal, Request, SceneOutput, SegmentOutput, Stage, Update,
 };
 use crate::library::Library;
-use crate::task::{Plan, Workcell};
+use crate::task::{Partners, Plan, Workcell};
 use crate::watch::Watch;
 
 /// Runs requests and remembers what each stage gave last.
@@ -24,7 +24,7 @@ pub struct Pipeline {
     shaped: Memory<FitOutput>,
     grasps: Memory<(Workcell, Vec<Grasp>)>,
     rank: Memory<Vec<Grasp>>,
-    plan: Memory<Plan>,
+    plan: Memory<(Plan, Option<Partners>)>,
 }
 
 impl Pipeline {
@@ -110,6 +110,16 @@ impl Pipeline {
         self.grasps.last().map(|(cell, _)| cell)
     }
 
+    /// The workcell in which a phase of the last plan happens: of the arm that moves then, everything else being where it
+    /// is then.
+    pub fn workcell_during(&self, phase: usize) -> Option<Workcell> {
+        let (plan, partners) = self.plan.last()?;
+        match partners {
+            Some(partners) => Some(partners.during(plan, phase)),
+            None => self.workcell().cloned(),
+        }
+    }
+
     /// The output of one stage; earlier stages are in memory already or are computed now.
     fn stage(&mut self, request: &Request, stage: Stage, watch: Watch<'_>) -> Result<Output, Refusal> {
         let (scene, dropped) = (&request.scene, request.cloud.as_ref());
@@ -191,7 +201,7 @@ impl Pipeline {
         }
 
         inputs.push(text(&(&scene.motion, request.grasp)));
-        let plan = self.plan.get(inputs, || {
+        let (plan, _) = self.plan.get(inputs, || {
             let Some(Ok(target)) = fits.fits.get(fits.target) else { return Err(rank::no_fit()) };
             let points = &segments.clusters[fits.target];
             let touched = || rank::touched(scene, target, points, dropped.is_some(), library);
@@ -201,9 +211,11 @@ impl Pipeline {
                 let is_dropped = dropped.is_some();
                 let (giver, grasps, touched) = (cell, grasps.as_slice(), &touched);
                 let input = HandoverInput { giver, grasps, target, touched, scene, handover, library, is_dropped };
-                return input.plan(watch);
+                return input.plan(watch).map(|(plan, partners)| (plan, Some(partners)));
             }
-            TaskInput { cell, ranked, chosen: request.grasp, target, touched: &touched, scene, watch }.plan()
+            TaskInput { cell, ranked, chosen: request.grasp, target, touched: &touched, scene, watch }
+                .plan()
+                .map(|plan| (plan, None))
         })?;
         Ok(Output::Plan(Box::new(plan.clone())))
     }
