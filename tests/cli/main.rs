@@ -541,3 +541,44 @@ fn a_grasp_option_out_of_its_range_is_refused_with_place_found_and_wanted() {
     }
     assert_eq!(endcomfort(&["grasps", "coffee_jar", "--rank-by", "luck"]).status.code(), Some(2));
 }
+
+#[test]
+fn reach_builds_a_map_and_reads_it_again() {
+    let out = scratch("alita.reach");
+    let built = json(&["reach", "alita", "--voxel", "0.2", "--out", &out.to_string_lossy(), "--json"]);
+    assert_eq!(built.len(), 2);
+    for (row, arm) in built.iter().zip(["left", "right"]) {
+        has_keys(row, &["robot", "base_link", "joints", "method", "mean_manipulability", "bytes", "build_ms"]);
+        assert_eq!((row["arm"].as_str(), row["orientations"].as_u64()), (Some(arm), Some(40)));
+        let file = scratch(&format!("alita_{arm}.reach")).to_string_lossy().into_owned();
+        let read = &json(&["reach", &file, "--json"])[0];
+        for key in ["arm", "voxels", "poses", "mean_fraction", "max_manipulability", "bytes"] {
+            assert_eq!(read[key], row[key], "{key}");
+        }
+        has_keys(read, &["load_ms"]);
+        let mut bytes = std::fs::read(&file).unwrap();
+        let middle = bytes.len() / 2;
+        bytes[middle] ^= 1;
+        std::fs::write(&file, bytes).unwrap();
+        let refused = endcomfort(&["reach", &file]);
+        assert_eq!(refused.status.code(), Some(1));
+        let words = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(words.contains("found") && words.contains("wanted"), "{words}");
+    }
+}
+
+#[test]
+fn reach_draws_samples_and_turns_the_torso() {
+    let args = ["reach", "crichton", "--arm", "left", "--voxel", "0.25", "--json"];
+    let with = |more: &[&str]| json(&[&args[..], more].concat()).swap_remove(0);
+    let forward = with(&["--method", "forward", "--samples", "20000", "--orientations", "1", "--seed", "3"]);
+    assert_eq!(forward["method"], "forward, 20000 samples, seed 3");
+    assert_eq!(forward["voxels"], forward["poses"]);
+    let torso = with(&["--torso"]);
+    assert_eq!((torso["joints"].as_u64(), torso["method"].as_str()), (Some(8), Some("inverse, torso at 7 positions")));
+    assert!(torso["voxels"].as_u64() > with(&[])["voxels"].as_u64());
+    for wrong in [&["--orientations", "41"][..], &["--voxel", "0"], &["--method", "inverse", "--orientations", "1"]] {
+        assert_eq!(endcomfort(&[&args[..], wrong].concat()).status.code(), Some(1), "{wrong:?}");
+    }
+    assert_eq!(endcomfort(&["reach", "nobody"]).status.code(), Some(1));
+}

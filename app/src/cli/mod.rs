@@ -11,6 +11,7 @@ mod input;
 mod motion_options;
 mod pictures;
 mod plan;
+mod reach;
 mod render;
 mod segment;
 mod table;
@@ -55,6 +56,8 @@ enum Command {
     Grasps(Box<grasps::Args>),
     /// Plans a task.
     Plan(Box<plan::Args>),
+    /// Builds the reachability maps of a robot's arms, or says what is in a map's file.
+    Reach(reach::Args),
     /// Draws one picture without a window.
     Render(render::Args),
     /// Measures the thesis's tables again.
@@ -129,6 +132,7 @@ pub fn main() -> ExitCode {
         Some(Command::Fit(args)) => fit::run(&args, &common),
         Some(Command::Grasps(args)) => grasps::run(&args, &common),
         Some(Command::Plan(args)) => plan::run(&args, &common),
+        Some(Command::Reach(args)) => reach::run(&args, &common),
         Some(Command::Render(args)) => render::run(&args, &common),
         Some(Command::Experiment(args)) => experiment::run(&args, &common),
         Some(Command::Ik(args)) => ik::run(&args, &common),

@@ -73,15 +73,78 @@ fn one(robot: &Robot, arm: &str, request: &MapRequest, watch: Watch<'_>) -> Resu
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::AtomicBool;
+    use std::sync::Arc;
+    use std::sync::atomic::AtomicUsize;
 
     use super::*;
     use crate::job::Request;
-    use crate::pipeline::{Pipeline, samples};
+    use crate::pipeline::Pipeline;
 
-    fn request(arms: &[&str]) -> Request {
+    fn library() -> Arc<Library> {
+        let read = |path: &str| {
+            let file = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).join(path);
+            let bytes: &'static [u8] = std::fs::read(file).ok()?.leak();
+            Some(bytes)
+        };
+        Arc::new(Library::new(Box::new(read)))
+    }
+
+    fn request(arms: &[&str], method: MapMethod) -> Request {
         let arms = arms.iter().map(|arm| (*arm).to_owned()).collect();
-        let map = MapRequest { arms, torso: false, voxel_m: 0.2, orientations: 40, method: MapMethod::Inverse };
-        Request { revision: 7, map: Some(map), ..Request::new(samples::scene()) }
+        let map = MapRequest { arms, torso: false, voxel_m: 0.2, orientations: 40, method };
+        let scene = Scene::parse(include_str!("../../../objects/scenes/mustard.json")).unwrap();
+        Request { revision: 7, map: Some(map), ..Request::new(scene) }
+    }
+
+    fn run(request: &Request, should_stop: &(dyn Fn() -> bool + Sync)) -> Vec<Update> {
+        let mut updates = Vec::new();
+        let watch = Watch::new(should_stop, &|_, _| (), &|| 0.0);
+        Pipeline::new(library()).run(request, &watch, &mut |update| updates.push(update));
+        updates
+    }
+
+    #[test]
+    fn the_maps_of_both_arms_come_as_files_that_can_be_read_with_progress_that_never_goes_back() {
+        let updates = run(&request(&["left", "right"], MapMethod::Inverse), &|| false);
+        let robot = library().robot("alita").unwrap();
+        let (mut arms, mut last) = (Vec::new(), 0.0);
+        for update in &updates {
+            match update {
+                Update::Mapping { fraction, revision: 7, .. } => {
+                    assert!((last..=1.0).contains(fraction), "{fraction} after {last}");
+                    last = *fraction;
+                }
+                Update::Done { output, revision: 7, .. } => {
+                    let Output::Map(built) = &**output else { panic!("{output:?}") };
+                    let map = ReachMap::from_bytes(built.file.as_ref().unwrap(), &robot, arms.len()).unwrap();
+                    assert!(map.voxels().count() > 100);
+                    arms.push(built.arm.as_str());
+                }
+                other => assert!(matches!(other, Update::Finished { revision: 7 }), "{other:?}"),
+            }
+        }
+        assert_eq!(arms, ["left", "right"]);
+        assert_eq!(last, 1.0);
+        assert!(matches!(updates.last(), Some(Update::Finished { .. })));
+    }
+
+    #[test]
+    fn a_build_that_is_stopped_gives_no_map_and_one_that_cannot_be_says_why() {
+        let asked = AtomicUsize::new(0);
+        let stop_soon = || asked.fetch_add(1, Ordering::Relaxed) > 3;
+        let updates = run(&request(&["left"], MapMethod::Inverse), &stop_soon);
+        assert!(updates.iter().all(|update| !matches!(update, Update::Done { .. })));
+        assert!(matches!(updates.last(), Some(Update::Finished { .. })));
+        for (arm, samples, word) in [("third", 10, "third arm"), ("left", 0, "0 samples")] {
+            let updates = run(&request(&[arm], MapMethod::Forward { samples }), &|| false);
+            let reason = updates.iter().find_map(|update| match update {
+                Update::Done { output, .. } => match &**output {
+                    Output::Map(built) => built.file.clone().err(),
+                    _ => None,
+                },
+                _ => None,
+            });
+            assert!(reason.as_ref().is_some_and(|reason| reason.contains(word)), "{reason:?}");
+        }
     }
 }

@@ -107,7 +107,7 @@ fn fingerprint(chain: &Chain) -> u64 {
 }
 
 /// FNV-1a, 64 bits.
-pub(super) struct Fnv(pub(super) u64);
+pub(super) struct Fnv(u64);
 
 impl Default for Fnv {
     fn default() -> Self {
@@ -116,7 +116,13 @@ impl Default for Fnv {
 }
 
 impl Fnv {
-    pub(super) fn add(&mut self, bytes: &[u8]) {
+    pub(super) fn of(bytes: &[u8]) -> u64 {
+        let mut hash = Self::default();
+        hash.add(bytes);
+        hash.0
+    }
+
+    fn add(&mut self, bytes: &[u8]) {
         for byte in bytes {
             self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
         }

@@ -8,9 +8,10 @@ use super::bytes::{Reader, add_name, bad};
 use super::closed::ClosedForm;
 use super::forward::chain_of;
 use super::grid::{Grid, MOST_EDGE, MOST_VOXELS, VOXEL_M};
-use super::map::{Data, SPOTS};
+use super::map::Data;
 use super::recipe::{Recipe, Samples};
 use super::scale::Scale;
+use super::spots::Spots;
 use super::{Orientations, ReachError, ReachMap};
 use crate::robot::Robot;
 
@@ -64,9 +65,7 @@ impl Header {
         bytes.extend((self.orientations as u16).to_le_bytes());
         bytes.extend(self.most.to_le_bytes());
         bytes.extend((self.poses as u32).to_le_bytes());
-        let mut sum = Fnv::default();
-        sum.add(&bytes);
-        bytes.extend(sum.0.to_le_bytes());
+        bytes.extend(Fnv::of(&bytes).to_le_bytes());
         bytes
     }
 
@@ -96,11 +95,10 @@ impl Header {
         let size = [reader.u16("voxels")?, reader.u16("voxels")?, reader.u16("voxels")?].map(usize::from);
         let orientations = usize::from(reader.u16("orientations")?);
         let (most, poses) = (reader.f64("greatest manipulability")?, reader.u32("poses")? as usize);
-        let mut sum = Fnv::default();
-        sum.add(&bytes[..reader.at()]);
+        let sum = Fnv::of(&bytes[..reader.at()]);
         let told = reader.u64("checksum of the header")?;
-        if told != sum.0 {
-            return bad("checksum of the header", format!("{told:016x}"), format!("{:016x}", sum.0));
+        if told != sum {
+            return bad("checksum of the header", format!("{told:016x}"), format!("{sum:016x}"));
         }
         if !VOXEL_M.contains(&voxel_m) {
             return bad("voxel", voxel_m, "0.005 to 0.5 m");
@@ -185,7 +183,9 @@ impl ReachMap {
             body.extend(order.iter().map(|&index| (data.codes[index] >> (8 * byte)) as u8));
         }
         let mut bytes = header.write();
-        bytes.extend(compress_to_vec_zlib(&body, EFFORT));
+        let lists = compress_to_vec_zlib(&body, EFFORT);
+        bytes.extend(Fnv::of(&lists).to_le_bytes());
+        bytes.extend(lists);
         bytes
     }
 
@@ -209,7 +209,13 @@ impl ReachMap {
         if most > MOST_BYTES {
             return bad("lists", format!("{most} bytes"), format!("at most {MOST_BYTES}"));
         }
-        let body = decompress_to_vec_zlib_with_limit(&bytes[reader.at()..], most);
+        let told = reader.u64("checksum of the lists")?;
+        let stream = &bytes[reader.at()..];
+        let sum = Fnv::of(stream);
+        if told != sum {
+            return bad("checksum of the lists", format!("{told:016x}"), format!("{sum:016x}"));
+        }
+        let body = decompress_to_vec_zlib_with_limit(stream, most);
         let Ok(body) = body else { return bad("lists", "damaged or longer data", format!("{most} bytes at most")) };
         let orientations =
             Orientations::new(header.orientations).ok_or(ReachError::BadOrientations { found: header.orientations })?;
@@ -275,6 +281,7 @@ fn lists(
         words,
         first: Vec::new(),
         spots: vec![0; voxels],
+        places: Spots::new(header.orientations),
         scale: Scale::up_to(header.most),
         levels: vec![0; poses],
         codes: vec![0; poses],
@@ -285,8 +292,8 @@ fn lists(
     if has_spots(method) {
         let reached: Vec<usize> = (0..voxels).filter(|&voxel| data.first[voxel + 1] > data.first[voxel]).collect();
         for (voxel, spot) in reached.iter().zip(reader.take("points", reached.len())?) {
-            if usize::from(*spot) >= SPOTS.len() {
-                return bad("points", spot, format!("less than {}", SPOTS.len()));
+            if usize::from(*spot) >= Spots::COUNT {
+                return bad("points", spot, format!("less than {}", Spots::COUNT));
             }
             data.spots[*voxel] = *spot;
         }

@@ -2,14 +2,15 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 
 use super::about::{About, ReachMethod};
 use super::clear::SelfClear;
 use super::closed::{ARM_ANGLES, ClosedForm, Code};
 use super::grid::Grid;
-use super::map::{Data, Reached, SPOTS};
+use super::map::{Data, Reached};
 use super::recipe::Recipe;
+use super::spots::{POINTS, Spots};
 use super::{Orientations, ReachError, ReachMap};
 use crate::collision::Scratch;
 use crate::robot::ik::{Glance, IkSet};
@@ -42,8 +43,10 @@ impl Default for InverseSettings {
 /// Each orientation of the set is put at the centre of each voxel. Of 32 arm angles over the full turn, the one with the
 /// greatest manipulability (5.1) is solved in closed form, and of its branches within the limits the one that leaves the
 /// most room to them is taken; where the robot touches itself, the next follows. A torso stands at 7 positions, each
-/// with its best arm angle, which compete by the manipulability of all joints. A voxel of which nothing is reached at its centre is tried near its corners, and the corner with the most
-/// orientations stands for it: so the rim of the workspace, where a centre lies just outside, is in the map.
+/// with its best arm angle, which compete by the manipulability of all joints. A voxel of which nothing is reached at its
+/// centre is tried near its corners, and if that gives nothing, with all orientations turned by some degrees; the spot
+/// with the most orientations stands for it ([`ReachMap::pose`]). So the rim of the workspace, where a centre lies just
+/// outside and few orientations are left, is in the map.
 ///
 /// * `arm`: index into [`Robot::arms`].
 ///
@@ -75,6 +78,7 @@ pub fn build_inverse(
         closed,
         chain,
         grid,
+        spots: Spots::new(count),
         orientations,
     };
 
@@ -109,6 +113,7 @@ struct Job {
     clear: SelfClear,
     grid: Grid,
     orientations: Orientations,
+    spots: Spots,
     /// From the hand to the wrist, for each orientation, in B.
     to_wrist: Vec<Vector3<f64>>,
 }
@@ -179,31 +184,44 @@ impl<'a> Worker<'a> {
 
     fn voxel(&mut self, voxel: usize) -> Solved {
         let closed = &self.job.closed;
-        let center = self.job.grid.point(voxel, &SPOTS[0]);
+        let center = self.job.grid.point(voxel, &POINTS[0]);
         // No point of the voxel is farther from its centre than this.
         let farthest_m = closed.reach_m() + self.job.grid.voxel_m;
         if closed.stands.iter().all(|stand| (center - stand.p_BS).norm() > farthest_m) {
             return Solved::default();
         }
-        let mut best = Solved { spot: 0, reached: self.solve(voxel, &center) };
-        if best.reached.is_empty() {
-            for (spot, offset) in (0_u8..).zip(&SPOTS).skip(1) {
-                let reached = self.solve(voxel, &self.job.grid.point(voxel, offset));
+        let reached = self.solve(voxel, 0);
+        if !reached.is_empty() {
+            return Solved { spot: 0, reached };
+        }
+        let mut best = Solved::default();
+        for spots in Spots::by_turn() {
+            for spot in spots.filter(|spot| *spot != 0) {
+                let reached = self.solve(voxel, spot);
                 if reached.len() > best.reached.len() {
                     best = Solved { spot, reached };
                 }
+            }
+            if !best.reached.is_empty() {
+                break;
             }
         }
         best
     }
 
-    /// All orientations at one point.
-    fn solve(&mut self, voxel: usize, p_BH: &Point3<f64>) -> Vec<Reached> {
+    /// All orientations at one spot.
+    fn solve(&mut self, voxel: usize, spot: u8) -> Vec<Reached> {
         self.poses.clear();
         self.tries.clear();
+        let (offset, turn) = self.job.spots.of(spot);
+        let p_BH = self.job.grid.point(voxel, &offset);
+        let reach_m = self.job.closed.reach_m();
+        if self.job.closed.stands.iter().all(|stand| (p_BH - stand.p_BS).norm() > reach_m) {
+            return Vec::new();
+        }
         for orientation in 0..self.job.orientations.count() {
             let begin = self.tries.len();
-            self.look(p_BH, orientation);
+            self.look(&p_BH, &turn, orientation);
             let end = self.tries.len();
             if end > begin {
                 self.poses.push(Pose { orientation: orientation as u16, begin, end, asked: 0 });
@@ -248,15 +266,15 @@ impl<'a> Worker<'a> {
     }
 
     /// Adds the tries of a pose that have a configuration within the limits.
-    fn look(&mut self, p_BH: &Point3<f64>, orientation: usize) {
+    fn look(&mut self, p_BH: &Point3<f64>, turn: &UnitQuaternion<f64>, orientation: usize) {
         let job = self.job;
         let (upper_m, fore_m) = job.closed.srs.lengths_m();
-        let p_BW = p_BH + job.to_wrist[orientation];
+        let p_BW = p_BH + turn * job.to_wrist[orientation];
         for (stand_idx, stand) in job.closed.stands.iter().enumerate() {
             if (p_BW - stand.p_BS).norm_squared() > (upper_m + fore_m) * (upper_m + fore_m) {
                 continue;
             }
-            let X_BH = Isometry3::from_parts((*p_BH).into(), job.orientations.rotations()[orientation]);
+            let X_BH = Isometry3::from_parts((*p_BH).into(), turn * job.orientations.rotations()[orientation]);
             let Some(glance) = job.closed.glancer.glance(&(stand.X_AB * X_BH)) else { continue };
             let mut this = Try { stand: stand_idx, glance, step: 0, ready: Vec::new(), given: Candidate::default() };
             if this.fill(&job.closed, &mut self.found) {

@@ -9,6 +9,7 @@ use super::grid::Grid;
 use super::orientations::Orientations;
 use super::recipe::Recipe;
 use super::scale::Scale;
+use super::spots::{POINTS, Spots};
 use crate::robot::Robot;
 
 /// A voxel of a map by its number: x runs fastest, then y, then z.
@@ -38,8 +39,9 @@ pub(super) struct Data {
     pub(super) words: usize,
     /// For each voxel how many reached poses stand before its first, and at the end how many there are.
     pub(super) first: Vec<u32>,
-    /// For each voxel which of its points the poses were sought at, see [`SPOTS`].
+    /// For each voxel where in it the poses were sought.
     pub(super) spots: Vec<u8>,
+    pub(super) places: Spots,
     pub(super) scale: Scale,
     /// Of each reached pose, by voxel and orientation: manipulability on the scale.
     pub(super) levels: Vec<u8>,
@@ -49,23 +51,6 @@ pub(super) struct Data {
     pub(super) means: Vec<f32>,
     pub(super) recipe: Recipe,
 }
-
-/// Points of a voxel at which its poses are sought, in edges from the centre: the centre, or where that is out of reach
-/// one near a corner. Their order is part of the file format.
-pub(super) const SPOTS: [[f64; 3]; 9] = {
-    const C: f64 = 0.45;
-    [
-        [0.0, 0.0, 0.0],
-        [-C, -C, -C],
-        [C, -C, -C],
-        [-C, C, -C],
-        [C, C, -C],
-        [-C, -C, C],
-        [C, -C, C],
-        [-C, C, C],
-        [C, C, C],
-    ]
-};
 
 /// A pose that was found to be reached.
 #[derive(Clone, Copy, Debug)]
@@ -95,6 +80,7 @@ impl Data {
             words,
             first: Vec::new(),
             spots: vec![0; grid.count()],
+            places: Spots::new(orientations.count()),
             scale,
             levels: Vec::with_capacity(reached.len()),
             codes: Vec::with_capacity(reached.len()),
@@ -216,7 +202,7 @@ impl ReachMap {
 
     /// The centre of a voxel, in B, metres.
     pub fn center(&self, voxel: Voxel) -> Point3<f64> {
-        self.data.grid.point(voxel.0 as usize, &SPOTS[0])
+        self.data.grid.point(voxel.0 as usize, &POINTS[0])
     }
 
     /// The share of the orientations that is reached, in [0, 1].
@@ -254,13 +240,14 @@ impl ReachMap {
         self.reached(voxel).max_by_key(|&orientation| (level(orientation), std::cmp::Reverse(orientation)))
     }
 
-    /// The pose of the hand that stands for a pose of the map: the voxel's centre, or a point near its corner where the
-    /// centre is out of reach, and the orientation itself.
+    /// The pose of the hand that stands for a pose of the map: at the voxel's centre in the orientation itself; in voxels
+    /// at the rim of the workspace, of which nothing would be reached so, at a point near a corner and, if need be, turned
+    /// by some degrees.
     pub fn pose(&self, voxel: Voxel, orientation: usize) -> Option<Isometry3<f64>> {
-        let rotation = *self.data.orientations.rotations().get(orientation)?;
-        let spot = *self.data.spots.get(voxel.0 as usize)?;
-        let p_BH = self.data.grid.point(voxel.0 as usize, &SPOTS[usize::from(spot)]);
-        Some(Isometry3::from_parts(p_BH.into(), rotation))
+        let rotation = self.data.orientations.rotations().get(orientation)?;
+        let (offset, turn) = self.data.places.of(*self.data.spots.get(voxel.0 as usize)?);
+        let p_BH = self.data.grid.point(voxel.0 as usize, &offset);
+        Some(Isometry3::from_parts(p_BH.into(), turn * rotation))
     }
 
     /// The best configuration of a pose, one value per joint of the arm (the torso's first, if the map is one with it);

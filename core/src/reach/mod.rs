@@ -22,6 +22,7 @@ mod map;
 mod orientations;
 mod recipe;
 mod scale;
+mod spots;
 #[cfg(test)]
 mod tests;
 
