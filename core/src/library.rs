@@ -74,7 +74,14 @@ pub enum LibraryError {
 impl Library {
     /// A library over files.
     pub fn new(read: Box<ReadFile>) -> Self {
-        Self { read, robots: Mutex::default(), objects: Mutex::default(), handed: Mutex::default(), maps: Mutex::default(), together: Mutex::default() }
+        Self {
+            read,
+            robots: Mutex::default(),
+            objects: Mutex::default(),
+            handed: Mutex::default(),
+            maps: Mutex::default(),
+            together: Mutex::default(),
+        }
     }
 
     fn text(&self, kind: &'static str, name: &str, path: &str) -> Result<String, LibraryError> {

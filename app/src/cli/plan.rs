@@ -134,8 +134,16 @@ fn print_handover(handover: &HandoverReport) {
     let p = place.X_WO.translation.vector;
     println!("  {} hands over to {} at {:.2}, {:.2}, {:.2} m", arms[0], arms[1], p.x, p.y, p.z);
     let (line_deg, way_cm) = (place.off_line_rad.to_degrees(), place.off_way_m * 1e2);
-    println!("    m_g {:.3} gives, {:.3} takes; {line_deg:.0}° off the line of the shoulders, {way_cm:.0} cm off the way", place.m_g[0], place.m_g[1]);
-    println!("    {} places in {voxels} voxels; {} grasps serve the start, {} the goal", places.len(), grasps[0], grasps[1]);
+    println!(
+        "    m_g {:.3} gives, {:.3} takes; {line_deg:.0}° off the line of the shoulders, {way_cm:.0} cm off the way",
+        place.m_g[0], place.m_g[1]
+    );
+    println!(
+        "    {} places in {voxels} voxels; {} grasps serve the start, {} the goal",
+        places.len(),
+        grasps[0],
+        grasps[1]
+    );
     if let Some(comfort) = &place.comfort {
         println!("    discomfort of the receiver {:.2}", comfort.total);
     }

@@ -46,6 +46,7 @@ impl Instance {
             Surface::Matte => (0.70, 0.035),
             Surface::Gloss => (0.22, 0.07),
             Surface::Unlit | Surface::Ghost => (1.0, 0.0),
+            Surface::Facet => (0.0, 0.0),
         };
         let lit = f32::from(u8::from(is_lit(draw.surface)));
         let masked = f32::from(u8::from(is_solid(draw)));

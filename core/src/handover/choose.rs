@@ -174,9 +174,8 @@ impl Look<'_> {
     /// Whether the receiver's open hand can come while the giver holds the object, and the giver's open hand can leave
     /// while the receiver holds it. Everything is in the object's frame.
     fn come_and_go(&self, give: &Candidate, take: &Candidate) -> bool {
-        let away = |grasp: &Grasp, share: f64| {
-            grasp.X_OH * Translation3::new(0.0, 0.0, -share * self.motion.min_approach_m)
-        };
+        let away =
+            |grasp: &Grasp, share: f64| grasp.X_OH * Translation3::new(0.0, 0.0, -share * self.motion.min_approach_m);
         [0.0, 0.3, 0.7, 1.0].iter().all(|&share| {
             let (leaves, comes) = (away(&give.grasp, share), away(&take.grasp, share));
             let [open_give, open_take] = [&self.giver.open, &self.receiver.open];
@@ -210,7 +209,8 @@ impl Look<'_> {
         }
         let m_g = [give.m_g, take.m_g];
         let score = if self.settings.receiver_first {
-            take.m_g / self.receiver.most_of_arm() + LINE_WEIGHT * 0.5 * (1.0 + libm::cos(off_line_rad))
+            take.m_g / self.receiver.most_of_arm()
+                + LINE_WEIGHT * 0.5 * (1.0 + libm::cos(off_line_rad))
                 + GIVER_WEIGHT * give.m_g / self.giver.most_of_arm()
                 - COMFORT_WEIGHT * comfort.as_ref().map_or(0.0, |comfort| comfort.total)
         } else {

@@ -161,7 +161,6 @@ fn no_place(give: &Side<'_>, take: &Side<'_>, found: &Choices) -> Refusal {
         found.looked_at, found.voxels
     );
     let [giver, receiver] = [give, take].map(|side| side.candidates.len());
-    let details =
-        vec![format!("{giver} grasps of the {} arm, {receiver} of the {} arm in each", names[0], names[1])];
+    let details = vec![format!("{giver} grasps of the {} arm, {receiver} of the {} arm in each", names[0], names[1])];
     Refusal::new(message).with_details(details)
 }

@@ -196,7 +196,10 @@ impl<'a> Side<'a> {
         let free: Vec<&[f64]> = found.iter().filter(&mut is_free).collect();
         if free.is_empty() {
             let none = || Obstruction::Invalid { reason: "no arm configuration".to_owned() };
-            return Err(hit.map(Obstruction::from).or(found.rejected.first().map(Obstruction::from)).unwrap_or_else(none));
+            return Err(hit
+                .map(Obstruction::from)
+                .or(found.rejected.first().map(Obstruction::from))
+                .unwrap_or_else(none));
         }
         let mut placed = Vec::new();
         Dexterity::new(cell.ik.chain()).all(&free.concat(), &mut placed);

@@ -15,8 +15,8 @@ use crate::handover::{
 use crate::job::Refusal;
 use crate::library::Library;
 use crate::reach::ReachMap;
-use crate::robot::{Arm, Robot};
 use crate::robot::ik::ArmIk;
+use crate::robot::{Arm, Robot};
 use crate::scene::{Action, ArmChoice, Scene, Step};
 use crate::task::{Partners, Plan, TARGET, Workcell};
 use crate::watch::Watch;
@@ -188,8 +188,11 @@ fn standing(robot: &Robot, agent: &Agent) -> Vec<MayTouch> {
         moves[child] = moves[joint.parent] || robot.arms.iter().any(is_of_arm);
     }
     let still = (0..robot.links.len()).filter(|&link| !moves[link]);
-    let contact =
-        |link, name: &str| MayTouch { a: Party::Link(link), b: Party::Obstacle(name.to_owned()), depth_m: f64::INFINITY };
+    let contact = |link, name: &str| MayTouch {
+        a: Party::Link(link),
+        b: Party::Obstacle(name.to_owned()),
+        depth_m: f64::INFINITY,
+    };
     let names = || agent.furniture.iter().map(|piece| piece.name.as_str()).chain([FLOOR]);
     still.flat_map(|link| names().map(move |name| contact(link, name))).collect()
 }

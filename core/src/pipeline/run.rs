@@ -205,8 +205,7 @@ impl Pipeline {
                 let grasps: Vec<Grasp> = grasps.iter().filter(wanted).cloned().collect();
                 let is_dropped = dropped.is_some();
                 let (giver, grasps, touched) = (cell, grasps.as_slice(), &touched);
-                let input =
-                    HandoverInput { giver, grasps, target, touched, scene, handover, library, is_dropped };
+                let input = HandoverInput { giver, grasps, target, touched, scene, handover, library, is_dropped };
                 return input.plan(watch);
             }
             TaskInput { cell, ranked, chosen: request.grasp, target, touched: &touched, scene, watch }.plan()

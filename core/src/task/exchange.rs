@@ -72,11 +72,8 @@ impl Partners {
     /// The workcell in which a phase of a plan happens: of the arm that moves, the other one being where it is then.
     pub fn during(&self, plan: &Plan, phase: usize) -> Workcell {
         let q = plan.state_at(plan.phases[phase].start_s).q;
-        let [mover, other] = if plan.phases[phase].leg == GIVE {
-            [&self.giver, &self.receiver]
-        } else {
-            [&self.receiver, &self.giver]
-        };
+        let [mover, other] =
+            if plan.phases[phase].leg == GIVE { [&self.giver, &self.receiver] } else { [&self.receiver, &self.giver] };
         beside(mover, other, q)
     }
 
@@ -280,13 +277,7 @@ impl<'a> Act<'a> {
     }
 
     /// The giver's transport, no faster than its hand may come.
-    fn slowly(
-        &self,
-        cell: &Workcell,
-        grasp: &Grasp,
-        spaces: [&ArmSpace; 2],
-        path: &Path,
-    ) -> Result<Draft, Setback> {
+    fn slowly(&self, cell: &Workcell, grasp: &Grasp, spaces: [&ArmSpace; 2], path: &Path) -> Result<Draft, Setback> {
         let timed = |settings: &MotionSettings| {
             let mover = self.mover(cell, settings);
             LegWith::new(&mover, grasp).draft(PhaseKind::Transport, spaces, path, true)

@@ -133,13 +133,25 @@ impl<'a> LegWith<'a> {
     }
 
     /// Moves the arm along a path as one phase.
-    pub(super) fn along(&mut self, kind: PhaseKind, space: &ArmSpace, path: &Path, carries: bool) -> Result<(), Setback> {
+    pub(super) fn along(
+        &mut self,
+        kind: PhaseKind,
+        space: &ArmSpace,
+        path: &Path,
+        carries: bool,
+    ) -> Result<(), Setback> {
         let draft = self.draft(kind, [space, space], path, carries)?;
         self.drafts.push(draft);
         Ok(())
     }
 
-    pub(super) fn draft(&self, kind: PhaseKind, spaces: [&ArmSpace; 2], path: &Path, carries: bool) -> Result<Draft, Setback> {
+    pub(super) fn draft(
+        &self,
+        kind: PhaseKind,
+        spaces: [&ArmSpace; 2],
+        path: &Path,
+        carries: bool,
+    ) -> Result<Draft, Setback> {
         let fingers = if carries { &self.grasp.closed } else { &self.mover.cell.hand.open };
         self.mover.along(kind, spaces, path, fingers, carries).map_err(|blocked| blocked.in_phase(kind, carries))
     }
