@@ -80,19 +80,18 @@ pub(super) fn cells(maps: [Option<Placed<'_>>; 2], view: &ReachView) -> Vec<Cell
     cells
 }
 
-/// The colours of a view over these maps, in the unit of the data.
+/// The colours of a view over these maps, up to the greatest value there is, in the unit of the data.
 pub fn reach_scale<'a>(maps: impl Iterator<Item = &'a ReachMap> + Clone, view: &ReachView) -> Scale {
-    let (min, max) = match view.quantity {
-        ReachQuantity::Fraction => {
-            let count = maps.map(|map| map.orientations().count()).max().unwrap_or(1);
-            (1.0 / count as f64, 1.0)
-        }
-        ReachQuantity::Manipulability => {
-            let values = maps.flat_map(|map| map.voxels().map(|voxel| map.mean_manipulability(voxel)));
-            let max = values.fold(0.0, f64::max);
-            // Two decades: what is less free than that is not free at all.
-            (0.01 * max, max)
-        }
+    let values = |map: &'a ReachMap| {
+        let placed = Placed { map, X_WB: Isometry3::identity() };
+        map.voxels().map(move |voxel| placed.value(voxel, view.quantity))
+    };
+    let max = maps.clone().flat_map(values).fold(0.0, f64::max);
+    let min = match view.quantity {
+        // A single orientation.
+        ReachQuantity::Fraction => 1.0 / maps.map(|map| map.orientations().count()).max().unwrap_or(1) as f64,
+        // Two decades: what is less free than that is not free at all.
+        ReachQuantity::Manipulability => 0.01 * max,
     };
     Scale { map: ColorMap::Viridis, min: if view.is_log { min } else { 0.0 }, max, is_log: view.is_log }
 }

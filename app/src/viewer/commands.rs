@@ -457,10 +457,10 @@ impl ViewerState {
             self.grasping.draws_region = false;
         } else if self.overlay != Overlay::None {
             self.overlay = Overlay::None;
-        } else if self.drawer.is_some() {
-            self.drawer = None;
         } else if self.shown_voxel().is_some() {
             self.reaching.let_go();
+        } else if self.drawer.is_some() {
+            self.drawer = None;
         } else if self.planning.selected_try.is_some() {
             self.planning.selected_try = None;
         } else if self.selection.ik.is_some() {

@@ -11,7 +11,7 @@ use crate::viewer::widgets::{focus_ring, icon_button_at, section, text_in};
 use crate::viewer::{Command, Layer, ReachCommand, ViewerState};
 
 /// Height of a row where there is room for it, and where there is little, points.
-const ROW: [f32; 2] = [25.0, 18.5];
+const ROW: [f32; 2] = [25.0, 17.2];
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     ui.add_space(4.0);
@@ -35,10 +35,10 @@ fn row(ui: &mut Ui, state: &ViewerState, layer: Layer, height: f32, out: &mut Ou
     let color = color(layer, tokens);
     ui.painter().rect_filled(swatch, 2.5, if view.visible { color } else { color.gamma_multiply(0.35) });
     let eye = Rect::from_center_size(pos2(rect.right() - 9.0, rect.center().y), vec2(24.0, height.min(22.0)));
-    let opacity = Rect::from_min_max(pos2(eye.left() - 46.0, rect.top()), pos2(eye.left() - 2.0, rect.bottom()));
-    let settings = Rect::from_center_size(pos2(opacity.left() - 10.0, rect.center().y), eye.size());
-    let words_end = if layer == Layer::Reach { settings.left() } else { opacity.left() };
-    let text = Rect::from_min_max(pos2(rect.left() + 17.0, rect.top()), pos2(words_end - 2.0, rect.bottom()));
+    let settings = eye.translate(vec2(-eye.width(), 0.0));
+    let right = if layer == Layer::Reach { settings.left() } else { eye.left() };
+    let opacity = Rect::from_min_max(pos2(right - 46.0, rect.top()), pos2(right - 2.0, rect.bottom()));
+    let text = Rect::from_min_max(pos2(rect.left() + 17.0, rect.top()), pos2(opacity.left() - 2.0, rect.bottom()));
     let label = label(state, layer);
     let ink = if view.visible { tokens.text } else { tokens.secondary };
     let _text = text_in(ui, text, Align::Min, &label, font(BODY), ink);

@@ -1,14 +1,14 @@
 //! How the maps are shown.
 
-use egui::{Ui, vec2};
+use egui::{Align, Sense, Ui, vec2};
 
 use super::explain;
 use crate::compose::reach_scale;
 use crate::viewer::fields::dropdown;
 use crate::viewer::panels::Out;
 use crate::viewer::slider::slider;
-use crate::viewer::theme::{SECONDARY, Tokens, font};
-use crate::viewer::widgets::{secondary_button, section, segmented_wide, switch};
+use crate::viewer::theme::{BODY, Tokens, font};
+use crate::viewer::widgets::{secondary_button, section, segmented_wide, switch, text_in};
 use crate::viewer::{Command, Keep, ReachArms, ReachCommand, ReachQuantity, ReachView, ViewerState, format};
 
 /// Axes of the world with what they mean to the robot, and where planes across them may stand, metres.
@@ -66,8 +66,9 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 8.0;
             let label = format!("Cut across {name}");
-            let text = egui::RichText::new(name).font(font(SECONDARY)).color(Tokens::of(ui).text);
-            let _name = ui.add_sized(vec2(62.0, 28.0), egui::Label::new(text).halign(egui::Align::Min));
+            let (place, _) = ui.allocate_exact_size(vec2(62.0, 28.0), Sense::hover());
+            let ink = Tokens::of(ui).text;
+            let _name = text_in(ui, place, Align::Min, name, font(BODY), ink);
             let rows = ["Nothing", "Keep what is before", "Keep what is beyond", "Keep one layer"];
             let shown = ["whole", "before", "beyond", "layer"];
             let chosen = Keep::ALL.iter().position(|keep| *keep == slice.keep);
