@@ -14,9 +14,9 @@ use crate::viewer::{Layer, Pick, ReachView, VoxelChoice};
 /// Edge of a drawn cube as a share of its voxel's: the gap tells one from the next.
 const FILLED: f64 = 0.86;
 /// Opacity of a voxel without value where voxels fade.
-const LEAST_OPACITY: f64 = 0.03;
-/// What is left of all voxels' opacity beside a chosen one: the arm is seen through them.
-const BESIDE_CHOSEN: f32 = 0.10;
+const LEAST_OPACITY: f64 = 0.01;
+/// What is left of all voxels' opacity beside a chosen one: the arm is seen through dozens of them.
+const BESIDE_CHOSEN: f32 = 0.02;
 /// Length of the arrow that stands for a hand, metres: it ends where the hand's frame is.
 const ARROW_M: f64 = 0.11;
 /// Half of the bar across an arrow's tail, which shows how the hand closes, metres.
@@ -113,7 +113,8 @@ impl Drawn {
             for cell in cells.iter().filter(|cell| cell.arm == arm) {
                 let mut color = scale.color(cell.value);
                 let share = if reach.view.fades { scale.share(cell.value).max(0.0).min(1.0) } else { 1.0 };
-                color[3] *= opacity * (LEAST_OPACITY + (1.0 - LEAST_OPACITY) * share * share) as f32;
+                // Dozens stand behind each other: only a steep rise leaves the inside visible.
+                color[3] *= opacity * (LEAST_OPACITY + (1.0 - LEAST_OPACITY) * share.powi(4)) as f32;
                 (low, high) = (low.inf(&cell.p_W.coords), high.sup(&cell.p_W.coords));
                 self.voxels.push(MeshDraw {
                     mesh: mesh.clone(),

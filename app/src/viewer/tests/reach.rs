@@ -3,9 +3,11 @@
 use egui::Role;
 use egui_kittest::kittest::Queryable as _;
 use endcomfort_core::job::{MapMethod, MapRequest, Stage};
+use endcomfort_core::reach::Voxel;
 use image::RgbaImage;
 
 use super::bench::{Bench, picture, window};
+use super::page;
 use crate::assets;
 use crate::viewer::{
     Command, Effect, Keep, Layer, MapSource, Posture, ReachArms, ReachCommand, ReachPage, ReachQuantity, ReachView,
@@ -160,14 +162,14 @@ fn the_voxel_across_is_the_other_arms_at_the_same_place() {
 
 #[test]
 fn whoever_turns_to_a_step_leaves_the_page_and_r_opens_it() {
-    let mut harness = window(Bench::until("mustard", Stage::Fit), [1440.0, 900.0], true);
+    let mut harness = page(Bench::until("mustard", Stage::Segment).page.state, [1440.0, 900.0], egui::Theme::Dark);
     harness.run_steps(2);
     harness.key_press(egui::Key::R);
     harness.run_steps(2);
     assert!(harness.query_by_label("View page").is_some());
     harness.get_by_label_contains("Segment done").click();
     harness.run_steps(2);
-    assert!(harness.query_by_label("View page").is_none() && !harness.state().bench.page.state.reaching.is_open);
+    assert!(harness.query_by_label("View page").is_none() && !harness.state().state.reaching.is_open);
     harness.get_by_label("Reachability settings").click();
     harness.run_steps(2);
     assert!(harness.query_by_label("View page").is_some());
@@ -178,7 +180,7 @@ fn whoever_turns_to_a_step_leaves_the_page_and_r_opens_it() {
 
 #[test]
 fn every_control_of_the_view_does_what_it_says() {
-    let mut harness = window(open("mustard"), [1440.0, 1100.0], false);
+    let mut harness = page(open("mustard").page.state, [1440.0, 1100.0], egui::Theme::Light);
     harness.run_steps(2);
     for (control, role, holds) in [
         ("Left", Role::RadioButton, (|view| view.arms == ReachArms::Left) as fn(&ReachView) -> bool),
@@ -189,7 +191,7 @@ fn every_control_of_the_view_does_what_it_says() {
     ] {
         harness.get_by_role_and_label(role, control).click();
         harness.run_steps(2);
-        assert!(holds(&harness.state().bench.view()), "{control}");
+        assert!(holds(&harness.state().state.reaching.view), "{control}");
     }
     harness.get_by_label_contains("At least: ").focus();
     harness.run_steps(1);
@@ -197,27 +199,31 @@ fn every_control_of_the_view_does_what_it_says() {
         harness.key_press(egui::Key::ArrowRight);
         harness.run_steps(1);
     }
-    let least = harness.state().bench.view().least;
-    let most = harness.state().bench.page.state.reaching.map(0).unwrap().most_manipulable();
+    let least = harness.state().state.reaching.view.least;
+    let most = harness.state().state.reaching.map(0).unwrap().most_manipulable();
     assert!(least > 0.02 * 0.3 * most && least < most, "three hundredths of the range: {least} of {most}");
     harness.get_by_label("Cut across z, up: whole").click();
     harness.run_steps(2);
     harness.get_by_label("Keep one layer").click();
     harness.run_steps(2);
-    assert_eq!(harness.state().bench.view().slices[2].keep, Keep::Slice);
+    assert_eq!(harness.state().state.reaching.view.slices[2].keep, Keep::Slice);
     harness.get_by_label_contains("Plane across z, up").click();
     harness.run_steps(2);
-    let at_m = harness.state().bench.view().slices[2].at_m;
+    let at_m = harness.state().state.reaching.view.slices[2].at_m;
     assert!((1.3..2.2).contains(&at_m), "right of the track's middle: {at_m}");
     harness.get_by_label("As it was first").click();
     harness.run_steps(2);
-    assert_eq!(harness.state().bench.view(), ReachView::default());
+    assert_eq!(harness.state().state.reaching.view, ReachView::default());
 }
 
 #[test]
 fn the_page_of_the_map_tells_its_numbers_and_builds_another() {
     let mut harness = window(open("mustard"), [1440.0, 1300.0], true);
-    harness.state_mut().bench.reach(ReachCommand::View(ReachView { arms: ReachArms::Left, ..ReachView::default() }));
+    harness.state_mut().bench.reach(ReachCommand::View(ReachView {
+        arms: ReachArms::Left,
+        least: 0.6,
+        ..ReachView::default()
+    }));
     harness.run_steps(2);
     harness.get_by_label("Map page").click();
     harness.run_steps(2);
@@ -240,55 +246,58 @@ fn the_page_of_the_map_tells_its_numbers_and_builds_another() {
     assert!(harness.query_by_label("Save alita_left.reach").is_some());
 }
 
-/// How many pixels are near one of viridis's colours, none of which the scene has.
-fn viridis(picture: &RgbaImage, inside: [u32; 4]) -> usize {
-    let [x0, y0, x1, y1] = inside;
-    let near = |pixel: &image::Rgba<u8>| {
-        let [r, g, b] = [pixel[0], pixel[1], pixel[2]].map(f64::from);
-        // From violet over blue-green to yellow: never grey, never more red than green and blue together.
-        let saturation = (r.max(g).max(b) - r.min(g).min(b)) / r.max(g).max(b).max(1.0);
-        saturation > 0.5
+/// How many pixels of a part of the picture have a strong colour, as data has.
+fn coloured(picture: &RgbaImage, [x0, y0, x1, y1]: [u32; 4]) -> usize {
+    let is_strong = |x: u32, y: u32| {
+        let channels = picture.get_pixel(x, y).0;
+        let (low, high) = channels[..3].iter().fold((255, 0), |(low, high), &c| (c.min(low), c.max(high)));
+        // A hue without much grey in it.
+        high - low > high / 2
     };
-    (x0..x1).flat_map(|x| (y0..y1).map(move |y| (x, y))).filter(|&(x, y)| near(picture.get_pixel(x, y))).count()
+    (x0..x1).flat_map(|x| (y0..y1).map(move |y| (x, y))).filter(|&(x, y)| is_strong(x, y)).count()
 }
 
 #[test]
 fn voxels_are_in_the_picture_and_fewer_with_a_threshold() {
     let free = [280, 160, 1000, 640];
-    for (demo, dark) in [("mustard", true), ("jar", false)] {
-        let mut harness = window(open(demo), [1440.0, 900.0], dark);
-        let name = |what: &str| format!("reach-{demo}-{what}");
-        let cut = viridis(&picture(&mut harness, &name("cut")), free);
-        let all = ReachView { slices: [Slice { keep: Keep::All, at_m: 0.0 }; 3], ..ReachView::default() };
-        harness.state_mut().bench.reach(ReachCommand::View(ReachView { least: 0.6, ..all }));
-        let few = viridis(&picture(&mut harness, &name("threshold")), free);
-        harness.state_mut().bench.apply(Command::ToggleLayer(Layer::Reach));
-        let none = viridis(&picture(&mut harness, &name("hidden")), free);
-        assert!(cut > 2 * few && few > none + 5000, "{demo}: {cut}, {few}, {none} coloured pixels");
-        harness.state_mut().bench.apply(Command::ToggleLayer(Layer::Reach));
-        for (what, view) in [
-            ("overlap", ReachView { arms: ReachArms::Overlap, ..all }),
-            ("fades", ReachView { fades: true, quantity: ReachQuantity::Manipulability, ..all }),
-            (
-                "layer",
-                ReachView { slices: [all.slices[0], all.slices[1], Slice { keep: Keep::Slice, at_m: 0.9 }], ..all },
-            ),
-        ] {
-            harness.state_mut().bench.reach(ReachCommand::View(view));
-            let _picture = picture(&mut harness, &name(what));
-        }
-        harness.state_mut().bench.reach(ReachCommand::View(ReachView::default()));
-        let voxel = harness.state().bench.freest(0);
-        harness.state_mut().bench.reach(ReachCommand::Select { arm: 0, voxel });
-        let _picture = picture(&mut harness, &name("voxel"));
-        assert_eq!(harness.query_all_by_label_contains("Orientations reached: ").count(), 1);
-        harness.state_mut().bench.reach(ReachCommand::Page(ReachPage::Map));
-        let _picture = picture(&mut harness, &name("map"));
+    let whole = ReachView { slices: [Slice { keep: Keep::All, at_m: 0.0 }; 3], ..ReachView::default() };
+    let mut harness = window(open("mustard"), [1440.0, 900.0], true);
+    let cut = coloured(&picture(&mut harness, "reach-cut"), free);
+    harness.state_mut().bench.reach(ReachCommand::View(ReachView { least: 0.6, ..whole }));
+    let few = coloured(&picture(&mut harness, "reach-threshold"), free);
+    harness.state_mut().bench.apply(Command::ToggleLayer(Layer::Reach));
+    let none = coloured(&picture(&mut harness, "reach-hidden"), free);
+    assert!(cut > 2 * few && few > none + 1000, "{cut}, {few}, {none} coloured pixels");
+}
+
+#[test]
+fn the_chosen_voxel_is_shown_with_its_hands_and_numbers() {
+    let mut harness = window(open("jar"), [1440.0, 900.0], false);
+    let slices = [Slice { keep: Keep::All, at_m: 0.0 }; 3];
+    let quantity = ReachQuantity::Manipulability;
+    let view = ReachView { fades: true, quantity, slices, ..ReachView::default() };
+    harness.state_mut().bench.reach(ReachCommand::View(view));
+    let before = picture(&mut harness, "reach-fades");
+    let voxel = harness.state().bench.freest(0);
+    harness.state_mut().bench.reach(ReachCommand::Select { arm: 0, voxel });
+    assert!(picture(&mut harness, "reach-voxel") != before);
+    for words in ["Orientations reached: ", "Mean manipulability: ", "orientations that reach the voxel"] {
+        assert_eq!(harness.query_all_by_label_contains(words).count(), 1, "{words}");
     }
-    let mut phone = window(open("jar"), [390.0, 844.0], true);
-    let _picture = picture(&mut phone, "reach-phone-sheet");
-    phone.state_mut().bench.apply(Command::ToggleDrawer(crate::viewer::Side::Right));
-    let _picture = picture(&mut phone, "reach-phone");
+    harness.get_by_label("Next orientation").click();
+    harness.run_steps(2);
+    let reached = harness.state().bench.page.state.reaching.map(0).expect("it is here").reached(Voxel(voxel)).count();
+    assert!(harness.query_by_label(&format!("2 of {reached}, best first")).is_some());
+}
+
+#[test]
+fn on_a_phone_the_page_is_a_sheet() {
+    let mut harness = window(open("jar"), [390.0, 844.0], true);
+    let _picture = picture(&mut harness, "reach-sheet");
+    assert!(harness.query_by_label("View page").is_some());
+    harness.state_mut().bench.reach(ReachCommand::Page(ReachPage::Map));
+    harness.run_steps(3);
+    assert!(harness.query_by_label("Build both maps").is_some());
 }
 
 #[test]

@@ -31,10 +31,11 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
                 out.push(Command::Reach(ReachCommand::SwitchArm));
             }
         } else {
-            let arm = if chosen.arm == 0 {
-                "Left arm; the right one does not reach it"
+            let others = ["Left arm; the right one does not reach it", "Right arm; the left one does not reach it"];
+            let arm = if state.reaching.view.arms.needs(1 - chosen.arm) {
+                others[chosen.arm]
             } else {
-                "Right arm; the left one does not reach it"
+                ["Left arm", "Right arm"][chosen.arm]
             };
             let _text = ui.label(egui::RichText::new(arm).font(font(BODY)).color(tokens.text));
         }
@@ -50,7 +51,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     let best = reached.first().and_then(|&orientation| map.manipulability(chosen.voxel, orientation));
     let _row = key_value(ui, "Best manipulability", &format::manipulability(best.unwrap_or(0.0)));
 
-    section(ui, "Hand comes");
+    section(ui, "The hand comes");
     let here = reached.iter().position(|&orientation| orientation == chosen.orientation);
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
@@ -82,7 +83,7 @@ fn row(ui: &mut Ui, map: &ReachMap, X_WB: &Isometry3<f64>, choice: VoxelChoice, 
         ui.painter().rect_filled(full, 0.0, tokens.hover);
     }
     let pose = map.pose(choice.voxel, choice.orientation).unwrap_or_default();
-    let words = format::approach(&(X_WB * pose));
+    let words = format!("{}, {}", format::approach(&(X_WB * pose)), format::closing(&(X_WB * pose)));
     let value = map.manipulability(choice.voxel, choice.orientation).map_or_else(String::new, format::manipulability);
     let name = Rect::from_min_max(rect.min, pos2(rect.right() - 64.0, rect.bottom()));
     let id = if is_shown { strong(BODY) } else { font(BODY) };
