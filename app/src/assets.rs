@@ -20,7 +20,21 @@ static ROBOTS: &[(&str, Dir<'_>)] = &[
 static OBJECTS: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../objects");
 
 /// The demos in the order of the gallery; each is `objects/scenes/NAME.json`.
-pub const DEMOS: [&str; 8] = ["mustard", "jar", "glass", "box-in", "box-on", "across", "pour", "regrasp"];
+pub const DEMOS: [&str; 13] = [
+    "mustard",
+    "jar",
+    "glass",
+    "box-in",
+    "box-on",
+    "across",
+    "pour",
+    "regrasp",
+    "self-handover",
+    "butler",
+    "kneeling",
+    "stool",
+    "human",
+];
 
 /// The robots that a scene may name.
 pub const ROBOT_NAMES: [&str; 2] = ["crichton", "alita"];

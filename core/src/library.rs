@@ -15,8 +15,8 @@ use crate::watch::Watch;
 /// Gives the content of a file by its path inside the repository: `robots/alita/alita.urdf`.
 pub type ReadFile = dyn Fn(&str) -> Option<&'static [u8]> + Send + Sync;
 
-/// Samples of the map of an arm that has no file: enough for where hands can meet, in a fraction of a second.
-const SAMPLES_WITHOUT_FILE: usize = 500_000;
+/// Samples of a map for handovers: enough for where hands can meet.
+const MAP_SAMPLES: usize = 500_000;
 /// Between what somebody stands on and its feet, metres: they do not count as touching.
 const STANDING_GAP_M: f64 = 0.002;
 
@@ -63,7 +63,7 @@ pub enum LibraryError {
     /// A robot has no such arm.
     #[error("{robot} has no {arm} arm")]
     NoArm { robot: String, arm: String },
-    /// A reachability map cannot be read or built.
+    /// A reachability map cannot be built.
     #[error("map of the {arm} arm of {robot}: {source}")]
     Map { robot: String, arm: String, source: ReachError },
     /// A hand of the user's own cannot be attached.
@@ -106,10 +106,11 @@ impl Library {
         Ok(robot)
     }
 
-    /// The reachability map of an arm: the one in `robots/maps/`, or else one that is built now by forward sampling.
+    /// The reachability map by which places for handovers are found: built by forward sampling when it is first asked
+    /// for, in a fraction of a second, and so the same wherever the program runs.
     ///
     /// # Errors
-    /// [`LibraryError`] when there is no such robot or arm, or its map cannot be read or built.
+    /// [`LibraryError`] when there is no such robot or arm, or its map cannot be built.
     pub fn reach_map(&self, name: &str, arm: &str) -> Result<ReachMap, LibraryError> {
         let key = (name.to_owned(), arm.to_owned());
         if let Some(map) = lock(&self.maps).get(&key) {
@@ -118,14 +119,12 @@ impl Library {
         let robot = self.robot(name)?;
         let no_arm = || LibraryError::NoArm { robot: name.to_owned(), arm: arm.to_owned() };
         let index = robot.arms.iter().position(|found| found.name == arm).ok_or_else(no_arm)?;
-        let map = match (self.read)(&format!("robots/maps/{name}_{arm}.reach")) {
-            Some(bytes) => ReachMap::from_bytes(bytes, &robot, index),
-            None => {
-                let settings = ForwardSettings { samples: SAMPLES_WITHOUT_FILE, ..ForwardSettings::default() };
-                build_forward(&robot, index, &settings, Watch::idle())
-            }
-        };
-        let map = map.map_err(|source| LibraryError::Map { robot: name.to_owned(), arm: arm.to_owned(), source })?;
+        let settings = ForwardSettings { samples: MAP_SAMPLES, ..ForwardSettings::default() };
+        let map = build_forward(&robot, index, &settings, Watch::idle()).map_err(|source| LibraryError::Map {
+            robot: name.to_owned(),
+            arm: arm.to_owned(),
+            source,
+        })?;
         lock(&self.maps).insert(key, map.clone());
         Ok(map)
     }

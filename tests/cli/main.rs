@@ -577,7 +577,7 @@ fn reach_draws_samples_and_turns_the_torso() {
     let torso = with(&["--torso"]);
     assert_eq!((torso["joints"].as_u64(), torso["method"].as_str()), (Some(8), Some("inverse, torso at 7 positions")));
     assert!(torso["voxels"].as_u64() > with(&[])["voxels"].as_u64());
-    for wrong in [&["--orientations", "41"][..], &["--voxel", "0"], &["--method", "inverse", "--orientations", "1"]] {
+    for wrong in [&["--orientations", "41"][..], &["--samples", "0"], &["--method", "inverse", "--orientations", "1"]] {
         assert_eq!(endcomfort(&[&args[..], wrong].concat()).status.code(), Some(1), "{wrong:?}");
     }
     assert_eq!(endcomfort(&["reach", "nobody"]).status.code(), Some(1));

@@ -269,10 +269,31 @@ mod tests {
     }
 
     #[test]
+    fn maps_come_from_their_own_folder_and_are_asked_for_anew() {
+        let folder = folder_with_a_page("maps");
+        std::fs::create_dir_all(folder.join("maps")).unwrap();
+        std::fs::write(folder.join("maps/alita_left.reach"), "map").unwrap();
+        let map = reply(&folder, "/maps/alita_left.reach", "br");
+        assert_eq!((map.status, map.body.as_slice()), (200, b"map".as_slice()));
+        // Its name stays when its content changes.
+        assert_eq!(header(&map, "Cache-Control"), Some("no-cache"));
+    }
+
+    #[test]
     fn no_address_leads_out_of_the_folder() {
         let folder = folder_with_a_page("inside");
-        for url in ["/../Cargo.toml", "/..", "/.secret", "/a/../a.wasm", "/%2e%2e/x", "//etc/passwd", "a.wasm", "/a\\b"]
-        {
+        for url in [
+            "/../Cargo.toml",
+            "/..",
+            "/.secret",
+            "/a/../a.wasm",
+            "/maps/../a.wasm",
+            "/maps/",
+            "/%2e%2e/x",
+            "//etc/passwd",
+            "a.wasm",
+            "/a\\b",
+        ] {
             assert_eq!(reply(&folder, url, "br").status, 404, "for {url:?}");
         }
     }

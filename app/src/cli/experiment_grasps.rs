@@ -1,8 +1,8 @@
 //! `experiment`, the tables on grasps and plans: `prioritization`, `grasps` and `motion`.
 
 use endcomfort_core::experiment::{
-    FeasibleRow, GraspExperiment, GraspExperimentSettings, MotionRow, PriorityRow, Record, Summary, run_feasible,
-    run_motion, run_prioritization,
+    FeasibleRow, GraspExperiment, GraspExperimentSettings, HandoverRow, MotionRow, PriorityRow, Record, Summary,
+    run_feasible, run_handover, run_motion, run_prioritization, thesis_handover,
 };
 
 use super::experiment::{Args, digits, watched, write_records};
@@ -11,6 +11,9 @@ use super::{Common, Failure};
 use crate::assets;
 use crate::clock::stopwatch;
 use endcomfort_core::task::Planner;
+
+/// Scenes that handovers are drawn around.
+const HANDOVERS: [&str; 4] = ["butler", "stool", "kneeling", "human"];
 
 pub(super) fn run(experiment: GraspExperiment, args: &Args, common: &Common) -> Result<(), Failure> {
     if let Some(option) = args.fitting_options().first() {
@@ -43,6 +46,15 @@ pub(super) fn run(experiment: GraspExperiment, args: &Args, common: &Common) -> 
                 print_feasible(&outcome.rows);
             }
         }
+        GraspExperiment::Handover => {
+            let outcome = watched(&elapsed_ms, |watch| run_handover(&settings, watch))
+                .map_err(|refusal| Failure::new(refusal.to_string()))?;
+            write(args, common, &outcome.rows, &outcome.cases)?;
+            if !common.json {
+                print_head(experiment, &settings, elapsed_ms() * 1e-3);
+                print_handover(&outcome.rows);
+            }
+        }
         GraspExperiment::Motion => {
             let outcome = watched(&elapsed_ms, |watch| run_motion(&settings, watch))
                 .map_err(|refusal| Failure::new(refusal.to_string()))?;
@@ -71,6 +83,7 @@ fn settings(args: &Args, common: &Common) -> Result<GraspExperimentSettings, Fai
         trials: args.trials,
         clutter: args.clutter.unwrap_or(0),
         any_way: args.any_way,
+        scenes: HANDOVERS.iter().filter_map(|name| assets::demo(name)).collect(),
         planner: args.planner.map(Planner::from).unwrap_or_default(),
         seed: common.seed.unwrap_or(1),
         is_serial: args.serial,
@@ -226,4 +239,69 @@ fn print_feasible(rows: &[FeasibleRow]) {
     println!("{table}");
     println!("best, mean, median: grasps that the arm reaches without collision, over the poses of a grid in front of");
     println!("both arms (2 distances, 2 sides, 2 headings each).");
+}
+
+/// The rows of Table 6.1 for a person, each followed by the thesis's own where it has one.
+fn print_handover(rows: &[HandoverRow]) {
+    let heads = vec![
+        "",
+        "scenario",
+        "order",
+        "success",
+        "plan ms",
+        "95 %",
+        "grasps ms",
+        "giver",
+        "receiver",
+        "places",
+        "m receiver",
+        "gain",
+        "motions",
+        "blocked",
+    ];
+    let mut table = Table::new(3, heads);
+    let whole = |summary: Option<Summary>| summary.map(|s| format!("{:.0}", s.mean)).unwrap_or_default();
+    let pair = |m: Option<[f64; 2]>| m.map(|[mean, half]| format!("{mean:.4} ± {half:.4}")).unwrap_or_default();
+    for row in rows {
+        table.push(vec![
+            "here".to_owned(),
+            row.scenario.clone(),
+            if row.receiver_first { "receiver first" } else { "nearest to the way" }.to_owned(),
+            format!("{}/{}", row.success, row.trials),
+            row.plan_ms.map(|s| digits(s.mean)).unwrap_or_default(),
+            row.plan_ms.map(|s| digits(s.p95)).unwrap_or_default(),
+            row.synthesis_ms.map(|s| digits(s.mean)).unwrap_or_default(),
+            whole(row.giver_grasps),
+            whole(row.receiver_grasps),
+            whole(row.places),
+            pair(row.receiver_manipulability),
+            pair(row.gain),
+            row.blocked[1].to_string(),
+            row.blocked[0].to_string(),
+        ]);
+        if let Some(thesis) = thesis_handover(&row.scenario).filter(|_| row.receiver_first) {
+            let [giver, receiver, places] = thesis.counts.map(|count| count.to_string());
+            let (success, plan_ms) = (format!("{}/100", thesis.success), digits(1e3 * thesis.plan_s));
+            let nothing = String::new;
+            table.push(vec![
+                "thesis".to_owned(),
+                row.scenario.clone(),
+                nothing(),
+                success,
+                plan_ms,
+                nothing(),
+                nothing(),
+                giver,
+                receiver,
+                places,
+                nothing(),
+                nothing(),
+                nothing(),
+                nothing(),
+            ]);
+        }
+    }
+    println!("{table}");
+    println!("\nplan ms: mean, from candidate grasps to the timed plan; grasps ms: their synthesis for both hands");
+    println!("m receiver: manipulability of the receiver's arm when its hand has closed; ±: 95 % confidence");
 }

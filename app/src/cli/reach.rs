@@ -127,7 +127,6 @@ fn read(path: &Path, common: &Common) -> Result<(), Failure> {
     }
     let refuse = |error: String| Failure::new(format!("{}: {error}", path.display()));
     let bytes = input::read_file(path)?;
-    let elapsed_ms = stopwatch();
     let of = About::of_file(&bytes).map_err(|error| refuse(error.to_string()))?.arm;
     if !known.contains(&of.robot.as_str()) {
         return Err(refuse(format!("found a map of {of}, wanted one of {}", known.join(" or "))));
@@ -137,6 +136,7 @@ fn read(path: &Path, common: &Common) -> Result<(), Failure> {
     let arm = arm.ok_or_else(|| refuse(format!("found a map of {of}, but the robot has no such arm")))?;
     let own_base = &robot.links[robot.arms[arm].base_link].name;
     let of_torso = (of.base_link != *own_base).then(|| robot.with_torso(arm));
+    let elapsed_ms = stopwatch();
     let map = ReachMap::from_bytes(&bytes, of_torso.as_ref().unwrap_or(&robot), arm)
         .map_err(|error| refuse(error.to_string()))?;
     print(&map, bytes.len(), ("load_ms", elapsed_ms()), common);

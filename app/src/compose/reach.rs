@@ -17,10 +17,12 @@ const FILLED: f64 = 0.86;
 const LEAST_OPACITY: f64 = 0.01;
 /// What is left of all voxels' opacity beside a chosen one: the arm is seen through dozens of them.
 const BESIDE_CHOSEN: f32 = 0.02;
-/// Length of the arrow that stands for a hand, metres: it ends where the hand's frame is.
-const ARROW_M: f64 = 0.11;
+/// Length of the arrow that stands for a hand, metres.
+const ARROW_M: f64 = 0.12;
+/// How far before the hand's frame it ends, metres: around the hand that the robot shows there.
+const BEFORE_M: f64 = 0.08;
 /// Half of the bar across an arrow's tail, which shows how the hand closes, metres.
-const BAR_M: f64 = 0.012;
+const BAR_M: f64 = 0.018;
 
 /// Maps and how they are shown.
 #[derive(Clone, Copy)]
@@ -144,8 +146,8 @@ impl Drawn {
         for edge in edges(0.5 * map.voxel_m()) {
             frame.lines.push(LineDraw::new(edge.map(|p_V| X_WV * p_V).to_vec(), palette.chosen, 1.6));
         }
-        let arrow = self.arrow.get_or_insert_with(|| Arc::new(shapes::arrow(ARROW_M, 0.0016))).clone();
-        let tail = Translation3::new(0.0, 0.0, -ARROW_M);
+        let arrow = self.arrow.get_or_insert_with(|| Arc::new(shapes::arrow(ARROW_M, 0.0022))).clone();
+        let tail = Translation3::new(0.0, 0.0, -ARROW_M - BEFORE_M);
         for orientation in map.reached(chosen.voxel) {
             let Some(X_BH) = map.pose(chosen.voxel, orientation) else { continue };
             let X_WT = X_WB * X_BH * tail;

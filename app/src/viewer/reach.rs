@@ -360,7 +360,12 @@ impl ViewerState {
         }
         let mut effects = Vec::new();
         for arm in (0..2).filter(|&arm| self.reaching.view.arms.needs(arm)) {
-            if matches!(self.reaching.slots[arm], Slot::Empty) {
+            if !matches!(self.reaching.slots[arm], Slot::Empty) {
+                continue;
+            }
+            if self.maps_have_torso() {
+                self.reaching.slots[arm] = Slot::Missing("maps with the torso are not stored".to_owned());
+            } else {
                 let path = format!("maps/{}", self.map_name(arm));
                 self.reaching.slots[arm] = Slot::Awaited(path.clone());
                 effects.push(Effect::FetchMap(path));

@@ -15,7 +15,7 @@ const AT_ONCE: usize = 32;
 /// Most spots that are looked at.
 const MOST_SPOTS: usize = 4000;
 /// Receiver's grasps that are tried at one spot, and of a spot for the object, giver's as well.
-const TRIED_GRASPS: usize = 16;
+const TRIED_GRASPS: usize = 6;
 /// Places nearer to each other than this are one, metres.
 const APART_M: f64 = 0.075;
 /// What the hand along the line of the shoulders, the giver's manipulability and a person's discomfort count for, the
@@ -23,6 +23,8 @@ const APART_M: f64 = 0.075;
 const LINE_WEIGHT: f64 = 0.3;
 const GIVER_WEIGHT: f64 = 0.2;
 const COMFORT_WEIGHT: f64 = 1.0;
+/// What it counts for that the receiver gets the object by its handle.
+const HANDLE_WEIGHT: f64 = 0.5;
 /// Configurations of an arm that are kept.
 const KEPT: usize = 6;
 
@@ -36,6 +38,7 @@ pub(super) struct Choice {
     pub(super) q: [Vec<Vec<f64>>; 2],
     pub(super) m_g: [f64; 2],
     pub(super) off_line_rad: f64,
+    pub(super) by_handle: bool,
     pub(super) comfort: Option<Comfort>,
     pub(super) score: f64,
 }
@@ -44,6 +47,7 @@ pub(super) struct Choice {
 pub(super) type Cost<'a> = dyn Fn(&[f64]) -> Option<Comfort> + Sync + 'a;
 
 /// Places in the order of their score, and how many voxels both reach.
+#[derive(Default)]
 pub(super) struct Choices {
     pub(super) choices: Vec<Choice>,
     pub(super) voxels: usize,
@@ -58,12 +62,11 @@ pub(super) fn choose(
     way: &Way,
     settings: &PlaceChoice,
     motion: &MotionSettings,
-    cost: &Cost<'_>,
+    (handle, cost): (Option<usize>, &Cost<'_>),
     should_stop: &(dyn Fn() -> bool + Sync),
 ) -> Choices {
     let (spots, voxels) = spots(giver, receiver, way, settings);
-    let pairs = Pairs::new(giver, receiver);
-    let look = Look { giver, receiver, pairs: &pairs, settings, motion, cost };
+    let look = Look { giver, receiver, settings, motion, handle, cost };
     let mut choices: Vec<Choice> = Vec::new();
     let mut looked_at = 0;
     for some in spots[..spots.len().min(MOST_SPOTS)].chunks(AT_ONCE) {
@@ -86,33 +89,12 @@ pub(super) fn choose(
     Choices { choices, voxels, looked_at }
 }
 
-/// Which grasps of the two sides leave room for each other.
-struct Pairs {
-    free: Vec<bool>,
-    receivers: usize,
-}
-
-impl Pairs {
-    fn new(giver: &Side<'_>, receiver: &Side<'_>) -> Self {
-        let free = parallel::map(&giver.candidates, |give| {
-            let others = receiver.candidates.iter();
-            let free = others.map(|take| give.hand.first_hit_with(&give.grasp.X_OH, &take.hand, &take.grasp.X_OH));
-            free.map(|hit| hit.is_none()).collect::<Vec<bool>>()
-        });
-        Self { free: free.concat(), receivers: receiver.candidates.len() }
-    }
-
-    fn have_room(&self, give: usize, take: usize) -> bool {
-        self.free[give * self.receivers + take]
-    }
-}
-
 struct Look<'a> {
     giver: &'a Side<'a>,
     receiver: &'a Side<'a>,
-    pairs: &'a Pairs,
     settings: &'a PlaceChoice,
     motion: &'a MotionSettings,
+    handle: Option<usize>,
     cost: &'a Cost<'a>,
 }
 
@@ -132,13 +114,12 @@ impl Look<'_> {
                 })
             }
             SpotPose::Object(X_WO) => {
-                let mut takes: Vec<(usize, Held)> = Vec::new();
-                for (take, candidate) in self.receiver.candidates.iter().enumerate() {
+                let candidates = self.receiver.candidates.iter().enumerate();
+                let held = candidates.filter_map(|(take, candidate)| {
                     let held = self.receiver.held(candidate, &(X_WO * candidate.grasp.X_OH));
-                    takes.extend(held.ok().map(|held| (take, held)));
-                }
-                takes.sort_by(|l, r| r.1.m_g.total_cmp(&l.1.m_g));
-                takes.into_iter().take(TRIED_GRASPS).find_map(|(take, held)| {
+                    held.ok().map(|held| (take, held))
+                });
+                held.take(TRIED_GRASPS).find_map(|(take, held)| {
                     let (give, given) = self.best_giver(X_WO, take)?;
                     Some(self.choice(spot, *X_WO, [give, take], given, &held))
                 })
@@ -151,11 +132,9 @@ impl Look<'_> {
         if self.giver.cell.object_hits(X_WO).is_some() {
             return None;
         }
-        let gives = (0..self.giver.candidates.len()).filter(|&give| self.pairs.have_room(give, take));
         let mut best: Option<(usize, Held)> = None;
         let mut found = 0;
-        for give in gives {
-            let candidate = &self.giver.candidates[give];
+        for (give, candidate) in self.giver.candidates.iter().enumerate() {
             let Ok(held) = self.giver.held(candidate, &(X_WO * candidate.grasp.X_OH)) else { continue };
             if !self.come_and_go(candidate, &self.receiver.candidates[take]) {
                 continue;
@@ -171,9 +150,12 @@ impl Look<'_> {
         best
     }
 
-    /// Whether the receiver's open hand can come while the giver holds the object, and the giver's open hand can leave
-    /// while the receiver holds it. Everything is in the object's frame.
+    /// Whether both hands can hold the object together, the receiver's open hand can come while the giver holds it, and
+    /// the giver's open hand can leave while the receiver does. Everything is in the object's frame.
     fn come_and_go(&self, give: &Candidate, take: &Candidate) -> bool {
+        if give.hand.first_hit_with(&give.grasp.X_OH, &take.hand, &take.grasp.X_OH).is_some() {
+            return false;
+        }
         let away =
             |grasp: &Grasp, share: f64| grasp.X_OH * Translation3::new(0.0, 0.0, -share * self.motion.min_approach_m);
         [0.0, 0.3, 0.7, 1.0].iter().all(|&share| {
@@ -198,25 +180,27 @@ impl Look<'_> {
                 .iter()
                 .map(|q| {
                     let comfort = (self.cost)(q);
-                    (comfort.as_ref().map_or(0.0, |comfort| comfort.total), comfort, q.clone())
+                    (comfort.map_or(0.0, |comfort| comfort.total), comfort, q.clone())
                 })
                 .collect();
             costs.sort_by(|l, r| l.0.total_cmp(&r.0));
-            comfort = costs.first().and_then(|(_, comfort, _)| comfort.clone());
+            comfort = costs.first().and_then(|(_, comfort, _)| *comfort);
             q_take = costs.into_iter().take(KEPT).map(|(_, _, q)| q).collect();
         } else if let Some(q) = q_take.first() {
             comfort = (self.cost)(q);
         }
         let m_g = [give.m_g, take.m_g];
+        let by_handle = self.handle == Some(taking.part);
         let score = if self.settings.receiver_first {
             take.m_g / self.receiver.most_of_arm()
                 + LINE_WEIGHT * 0.5 * (1.0 + libm::cos(off_line_rad))
+                + if by_handle { HANDLE_WEIGHT } else { 0.0 }
                 + GIVER_WEIGHT * give.m_g / self.giver.most_of_arm()
-                - COMFORT_WEIGHT * comfort.as_ref().map_or(0.0, |comfort| comfort.total)
+                - COMFORT_WEIGHT * comfort.map_or(0.0, |comfort| comfort.total)
         } else {
             -spot.off_way_m
         };
         let q = [give.q.into_iter().take(KEPT).collect(), q_take];
-        Choice { spot: spot.clone(), X_WO, candidates, q, m_g, off_line_rad, comfort, score }
+        Choice { spot: spot.clone(), X_WO, candidates, q, m_g, off_line_rad, by_handle, comfort, score }
     }
 }

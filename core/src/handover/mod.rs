@@ -13,4 +13,6 @@ pub use comfort::{ArmAngles, Comfort, ReceiverArm};
 pub use keep_out::{KEEP_OUT, KeepOut, guarded, keep_out};
 pub use plan::{HandoverTask, plan_handover};
 pub use report::{HandoverReport, Place};
+pub(crate) use side::count_serving;
+
 pub use settings::{Agent, AgentGoal, Handover, PERSON, PlaceChoice, Receiver};

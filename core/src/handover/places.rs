@@ -53,8 +53,9 @@ impl Way {
 /// to the giver's (6.2). Otherwise by the distance to the way, the object turned as far as it is along (6.1).
 pub(super) fn spots(giver: &Side<'_>, receiver: &Side<'_>, way: &Way, choice: &PlaceChoice) -> (Vec<Spot>, usize) {
     let mut voxels: Vec<(f64, Point3<f64>)> = Vec::new();
-    for voxel in receiver.map.voxels() {
-        let center = receiver.X_WB * receiver.map.center(voxel);
+    let map = receiver.map;
+    for center in map.into_iter().flat_map(|map| map.voxels().map(|voxel| map.center(voxel))) {
+        let center = receiver.X_WB * center;
         let shares = [giver.share(&center), receiver.share(&center)];
         if shares.iter().all(|share| *share >= choice.threshold) {
             let order = if choice.receiver_first { -shares[1] } else { way.nearest(&center).0 };

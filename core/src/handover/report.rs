@@ -39,6 +39,8 @@ pub struct Place {
     pub off_line_rad: f64,
     /// Distance of the voxel from the segment between start and goal of the object, metres.
     pub off_way_m: f64,
+    /// Whether the receiver gets the object by its handle.
+    pub by_handle: bool,
     /// What it costs a person, if the receiver is one.
     pub comfort: Option<Comfort>,
     /// What it counts for among the others: the larger the better.

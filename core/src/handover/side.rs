@@ -10,14 +10,19 @@ use crate::robot::Dexterity;
 use crate::task::{LEAST_LIFT, MotionSettings, Workcell};
 
 /// Arm angles over a full turn at which a grasp is looked at.
-const ARM_ANGLES: usize = 12;
+const ARM_ANGLES: usize = 8;
+/// Configurations of a hand pose that are looked for, the most manipulable first.
+const CONFIGURATIONS: usize = 8;
+/// Poses of a soft goal that a grasp serves before no further ones are looked at.
+const ENOUGH_POSES: usize = 3;
 /// Configurations of a grasp whose straight ways are looked for later.
 const WITH_WAYS: usize = 4;
 
 /// An arm that gives or takes.
 pub(super) struct Side<'a> {
     pub(super) cell: &'a Workcell,
-    pub(super) map: &'a ReachMap,
+    /// `None` where no place is looked for.
+    pub(super) map: Option<&'a ReachMap>,
     /// Base of the arm in the world.
     pub(super) X_WB: Isometry3<f64>,
     /// Grasps that serve the start (giver) or the goal (receiver), the most manipulable there first.
@@ -46,7 +51,7 @@ pub(super) struct Candidate {
 pub(super) struct Held {
     /// The most manipulable first.
     pub(super) q: Vec<Vec<f64>>,
-    /// Mean of the manipulabilities (5.2).
+    /// Mean of their manipulabilities: (5.2) over the best few.
     pub(super) m_g: f64,
 }
 
@@ -55,7 +60,7 @@ impl<'a> Side<'a> {
     /// which it is the most manipulable; without a pose all are kept.
     pub(super) fn new(
         cell: &'a Workcell,
-        map: &'a ReachMap,
+        map: Option<&'a ReachMap>,
         motion: &'a MotionSettings,
         grasps: &[Grasp],
         end: (EndKind, &[Isometry3<f64>]),
@@ -74,7 +79,8 @@ impl<'a> Side<'a> {
             open: HandChecker::new(&cell.model, &cell.world, &cell.may_touch, cell.arm_index, &cell.hand.open)?,
             motion,
             rejected: Vec::new(),
-            most: map.voxels().map(|voxel| map.mean_manipulability(voxel)).fold(1e-12, f64::max),
+            most: map
+                .map_or(1e-12, |map| map.voxels().map(|voxel| map.mean_manipulability(voxel)).fold(1e-12, f64::max)),
             arm: cell.checker(&empty)?,
             q_now: cell.arm().dofs.iter().map(|&dof| cell.q_start[dof]).collect(),
         };
@@ -110,11 +116,19 @@ impl<'a> Side<'a> {
         }
         let mut best: Option<(&Isometry3<f64>, Held)> = None;
         let mut first = None;
+        let mut served = 0;
         for X_WO in poses {
+            if served == ENOUGH_POSES {
+                break;
+            }
             let X_WH = X_WO * grasp.X_OH;
             match self.held(&candidate, &X_WH).and_then(|held| self.with_ways(held, kind, &X_WH)) {
-                Ok(held) if best.as_ref().is_none_or(|(_, known)| known.m_g < held.m_g) => best = Some((X_WO, held)),
-                Ok(_) => {}
+                Ok(held) => {
+                    served += 1;
+                    if best.as_ref().is_none_or(|(_, known)| known.m_g < held.m_g) {
+                        best = Some((X_WO, held));
+                    }
+                }
                 Err(reason) => first = first.or(Some(reason)),
             }
         }
@@ -184,29 +198,33 @@ impl<'a> Side<'a> {
     pub(super) fn configurations(&self, X_WH: &Isometry3<f64>) -> Result<Held, Obstruction> {
         let cell = self.cell;
         let found = cell.ik.set(&self.X_WB.inv_mul(X_WH), &self.q_now, ARM_ANGLES);
+        let solutions: Vec<&[f64]> = found.iter().collect();
+        let mut placed = Vec::new();
+        Dexterity::new(cell.ik.chain()).all(&solutions.concat(), &mut placed);
+        let mut order: Vec<usize> = (0..solutions.len()).collect();
+        order.sort_by(|&l, &r| placed[r].manipulability.total_cmp(&placed[l].manipulability).then(l.cmp(&r)));
         let mut scratch = Scratch::default();
         let mut hit = None;
-        let mut is_free = |q: &&[f64]| match self.arm.first_hit_besides_hand(&mut scratch, q) {
-            Some(found) => {
-                hit = hit.take().or(Some(found));
-                false
+        let (mut q, mut sum) = (Vec::new(), 0.0);
+        for index in order {
+            match self.arm.first_hit_besides_hand(&mut scratch, solutions[index]) {
+                Some(found) => hit = hit.or(Some(found)),
+                None => {
+                    q.push(solutions[index].to_vec());
+                    sum += placed[index].manipulability;
+                }
             }
-            None => true,
-        };
-        let free: Vec<&[f64]> = found.iter().filter(&mut is_free).collect();
-        if free.is_empty() {
+            if q.len() == CONFIGURATIONS {
+                break;
+            }
+        }
+        if q.is_empty() {
             let none = || Obstruction::Invalid { reason: "no arm configuration".to_owned() };
             return Err(hit
                 .map(Obstruction::from)
                 .or(found.rejected.first().map(Obstruction::from))
                 .unwrap_or_else(none));
         }
-        let mut placed = Vec::new();
-        Dexterity::new(cell.ik.chain()).all(&free.concat(), &mut placed);
-        let sum: f64 = placed.iter().map(|placed| placed.manipulability).sum();
-        let mut order: Vec<usize> = (0..free.len()).collect();
-        order.sort_by(|&l, &r| placed[r].manipulability.total_cmp(&placed[l].manipulability).then(l.cmp(&r)));
-        let q: Vec<Vec<f64>> = order.into_iter().map(|index| free[index].to_vec()).collect();
         Ok(Held { m_g: sum / q.len() as f64, q })
     }
 
@@ -222,9 +240,26 @@ impl<'a> Side<'a> {
 
     /// Share of the map's largest mean manipulability that the voxel around a point of the world has; 0 out of reach.
     pub(super) fn share(&self, p_W: &Point3<f64>) -> f64 {
-        let voxel = self.map.voxel_at(&self.X_WB.inverse_transform_point(p_W));
-        voxel.map_or(0.0, |voxel| self.map.mean_manipulability(voxel) / self.most)
+        let mean = |map: &ReachMap| {
+            let voxel = map.voxel_at(&self.X_WB.inverse_transform_point(p_W))?;
+            Some(map.mean_manipulability(voxel) / self.most)
+        };
+        self.map.and_then(mean).unwrap_or(0.0)
     }
+}
+
+/// How many grasps of an arm serve a pose of the object at which it is taken up or put down.
+///
+/// # Errors
+/// [`CollisionError`] when bodies make no sense.
+pub(crate) fn count_serving(
+    cell: &Workcell,
+    motion: &MotionSettings,
+    grasps: &[Grasp],
+    poses: &[Isometry3<f64>],
+) -> Result<usize, CollisionError> {
+    let end = (EndKind::Goal, poses);
+    Ok(if poses.is_empty() { 0 } else { Side::new(cell, None, motion, grasps, end)?.candidates.len() })
 }
 
 /// Which end of the object's way a side serves.

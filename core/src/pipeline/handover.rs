@@ -10,7 +10,8 @@ use crate::collision::{MayTouch, Party, World};
 use crate::fit::Fit;
 use crate::grasp::{Grasp, HandModel, Touched};
 use crate::handover::{
-    Agent, AgentGoal, Handover, HandoverTask, KEEP_OUT, PERSON, PlaceChoice, Receiver, ReceiverArm, plan_handover,
+    Agent, AgentGoal, Handover, HandoverTask, KEEP_OUT, PERSON, PlaceChoice, Receiver, ReceiverArm, count_serving,
+    plan_handover,
 };
 use crate::job::Refusal;
 use crate::library::Library;
@@ -18,9 +19,12 @@ use crate::reach::ReachMap;
 use crate::robot::ik::ArmIk;
 use crate::robot::{Arm, Robot};
 use crate::scene::{Action, ArmChoice, Scene, Step};
+use crate::superquadric::Superquadric;
 use crate::task::{Partners, Plan, TARGET, Workcell};
 use crate::watch::Watch;
 
+/// A body this many times as long as wide is a handle.
+const SLENDER: f64 = 3.0;
 /// What reasons call the floor.
 const FLOOR: &str = "floor";
 /// The floor: an upper face just below 0, so that what stands on it does not touch it, metres.
@@ -137,7 +141,24 @@ impl HandoverInput<'_> {
     /// The [`Refusal`] of [`plan_handover`].
     pub(crate) fn plan(&self, watch: Watch<'_>) -> Result<Plan, Refusal> {
         let (partners, receiver_grasps) = self.partners()?;
-        self.plan_between(&partners, &receiver_grasps, &self.handover.choice, watch)
+        self.plan_between(&partners, &receiver_grasps, watch)
+    }
+
+    /// How many grasps of each arm serve the object's start, and its goal.
+    ///
+    /// # Errors
+    /// A [`Refusal`] when bodies make no sense.
+    pub(crate) fn serving(&self, partners: &Partners, receiver_grasps: &[Grasp]) -> Result<Serving, Refusal> {
+        let Partners { giver, receiver } = partners;
+        let goal = receiver.stops.last().map_or(&[][..], |stop| &stop.poses_WO);
+        let start = [giver.X_WO_start];
+        let count = |cell: &Workcell, grasps: &[Grasp], poses: &[Isometry3<f64>]| {
+            count_serving(cell, &self.scene.motion, grasps, poses).map_err(|error| refusal(&error))
+        };
+        Ok(Serving {
+            giver: (count(giver, self.grasps, &start)?, count(giver, self.grasps, goal)?),
+            receiver: (count(receiver, receiver_grasps, &start)?, count(receiver, receiver_grasps, goal)?),
+        })
     }
 
     /// Plans it with candidates that are known already.
@@ -148,9 +169,9 @@ impl HandoverInput<'_> {
         &self,
         partners: &Partners,
         receiver_grasps: &[Grasp],
-        choice: &PlaceChoice,
         watch: Watch<'_>,
     ) -> Result<Plan, Refusal> {
+        let choice = &self.handover.choice;
         let agent = self.handover.agent();
         let model = agent.map_or(self.scene.robot.as_str(), |agent| agent.model.as_str());
         let prefix = agent.map_or(String::new(), |agent| format!("{}_", agent.model));
@@ -159,9 +180,14 @@ impl HandoverInput<'_> {
         let giver_map = map_of(self.library, &self.scene.robot, &partners.giver.arm().name)?;
         // Both hands of one robot: the middle between start and goal decides, not who is more comfortable (6.1).
         let is_own = self.handover.receiver == Receiver::OtherHand;
-        let choice = PlaceChoice { receiver_first: choice.receiver_first && !is_own, ..*choice };
+        let is_person = model == PERSON;
+        let choice = PlaceChoice {
+            receiver_first: choice.receiver_first && !is_own,
+            hand_speed_m_s: if is_person { choice.hand_speed_m_s } else { f64::INFINITY },
+            ..*choice
+        };
         let receiver = &partners.receiver;
-        let person = (model == PERSON).then(|| ReceiverArm::of(&receiver.robot, receiver.arm())).flatten();
+        let person = is_person.then(|| ReceiverArm::of(&receiver.robot, receiver.arm())).flatten();
         let task = HandoverTask {
             partners,
             grasps: [self.grasps, receiver_grasps],
@@ -169,11 +195,25 @@ impl HandoverInput<'_> {
             lets_go: agent.is_none_or(|agent| agent.goal.is_some_and(|goal| goal.lets_go)),
             choice: &choice,
             motion: &self.scene.motion,
+            handle: handle(self.target),
             cost: &|q| person.as_ref().map(|arm| arm.comfort(q)),
             seed: self.scene.seed,
         };
         plan_handover(&task, watch)
     }
+}
+
+/// The body of a composite that is its handle: the most slender one.
+fn handle(fit: &Fit) -> Option<usize> {
+    let slenderness = |body: &Superquadric| {
+        let mut semi_axes: Vec<f64> = body.semi_axes().iter().copied().collect();
+        semi_axes.sort_by(f64::total_cmp);
+        semi_axes[2] / semi_axes[1]
+    };
+    let bodies: Vec<f64> = fit.bodies().map(slenderness).collect();
+    let slender = bodies.iter().enumerate().filter(|(_, slenderness)| **slenderness >= SLENDER);
+    let most = slender.max_by(|l, r| l.1.total_cmp(r.1)).map(|(index, _)| index);
+    most.filter(|_| bodies.len() > 1)
 }
 
 /// What stands still may touch what it stands on: no motion changes that.
@@ -195,6 +235,12 @@ fn standing(robot: &Robot, agent: &Agent) -> Vec<MayTouch> {
     };
     let names = || agent.furniture.iter().map(|piece| piece.name.as_str()).chain([FLOOR]);
     still.flat_map(|link| names().map(move |name| contact(link, name))).collect()
+}
+
+/// Grasps of an arm that serve the object's start, and its goal.
+pub(crate) struct Serving {
+    pub(crate) giver: (usize, usize),
+    pub(crate) receiver: (usize, usize),
 }
 
 /// The arm that receives: the one that was chosen, the robot's other one, or the agent's whose shoulder is nearer.

@@ -18,5 +18,6 @@ mod situate;
 pub use perceive::synthetic_cloud;
 pub use run::Pipeline;
 
+pub(crate) use handover::{HandoverInput, acting};
 pub(crate) use legs::TaskInput;
 pub(crate) use rank::{grasp_candidates, ranked, workcell};

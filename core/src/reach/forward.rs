@@ -1,6 +1,6 @@
 //! Forward sampling: configurations of any arm, sorted into the poses that they reach.
 
-use nalgebra::{Matrix3, Point3, Vector3};
+use nalgebra::{Point3, Vector3};
 
 use super::about::{About, ReachMethod};
 use super::clear::SelfClear;
@@ -10,7 +10,7 @@ use super::map::{Data, Reached};
 use super::recipe::{Recipe, Samples};
 use super::{Orientations, ReachError, ReachMap};
 use crate::collision::Scratch;
-use crate::robot::{Arm, Chain, ChainError, Dexterity, Placed, Robot};
+use crate::robot::{Arm, Chain, ChainError, Dexterity, Placed, Robot, Rough, RoughDexterity};
 use crate::simd::{Kernel, widest};
 use crate::watch::Watch;
 
@@ -119,16 +119,11 @@ pub fn build_forward(
             true
         };
         let is_free = clear.first_free(&mut Scratch::default(), group.len(), &mut next);
-        let reached = group.iter().zip(is_free.iter().zip(ranks)).filter_map(|(&pose, (is_free, rank))| {
-            let key = *key(pose, rank - 1).filter(|_| *is_free)?;
-            Some(Reached {
-                voxel: (pose / count) as u32,
-                orientation: (pose % count) as u16,
-                manipulability: f64::from(f32::from_bits((key >> 32) as u32)),
-                code: number_of(key),
-            })
-        });
-        Some(reached.collect::<Vec<_>>())
+        let best = group
+            .iter()
+            .zip(is_free.iter().zip(ranks))
+            .filter_map(|(&pose, (is_free, rank))| Some((pose, number_of(*key(pose, rank - 1).filter(|_| *is_free)?))));
+        Some(sorter.place(&best.collect::<Vec<_>>()))
     });
     let reached = settled.into_iter().collect::<Option<Vec<_>>>().ok_or(ReachError::Cancelled)?.concat();
     watch.progress(1.0, "done");
@@ -165,9 +160,10 @@ fn ball_around(robot: &Robot, arm: &Arm, chain: &Chain) -> (Point3<f64>, f64) {
 }
 
 /// A sample of a pose as a number that is greater for more manipulability, and of equals for the earlier sample; 0 is
-/// none. The manipulability is rounded to `f32`, whose bits are in the order of its values.
-fn key_of(manipulability: f64, number: usize) -> u64 {
-    u64::from((manipulability as f32).to_bits()) << 32 | u64::from(u32::MAX - number as u32)
+/// none. The bits of
+/// a positive `f32` are in the order of its values.
+fn key_of(manipulability: f32, number: usize) -> u64 {
+    u64::from(manipulability.to_bits()) << 32 | u64::from(u32::MAX - number as u32)
 }
 
 fn number_of(key: u64) -> u32 {
@@ -198,39 +194,66 @@ struct Sorter<'a> {
 }
 
 impl Sorter<'_> {
+    /// The poses of samples and their keys, in single precision.
     fn sort(&self, numbers: std::ops::Range<usize>) -> Vec<(u32, u64)> {
         let joints = self.chain.dofs().len();
-        let mut dexterity = Dexterity::new(self.chain);
+        let mut dexterity = RoughDexterity::new(self.chain);
         let (mut q, mut placed) = (vec![0.0; STRIP * joints], Vec::with_capacity(STRIP));
         let mut sorted = Vec::with_capacity(numbers.len());
         for first in numbers.clone().step_by(STRIP) {
             widest(Draw { samples: self.samples, first, q: &mut q });
             dexterity.all(&q, &mut placed);
             // The last strip may go on beyond the samples that were asked for.
-            for (number, placed) in (first..numbers.end).zip(&placed) {
-                sorted.extend(self.pose(placed).map(|pose| (pose, key_of(placed.manipulability, number))));
+            for (number, Rough { R_BH, p_BH, manipulability }) in (first..numbers.end).zip(&placed) {
+                let p_BH = Vector3::from(p_BH.map(f64::from));
+                if let Some(pose) = self.pose(&p_BH, &R_BH.map(f64::from)) {
+                    sorted.push((pose as u32, key_of(*manipulability, number)));
+                }
             }
         }
         sorted
     }
 
+    /// The samples that stand for poses, placed in double precision; one in ten thousand turns out to be across the
+    /// border of its pose, and is left out.
+    fn place(&self, best: &[(usize, u32)]) -> Vec<Reached> {
+        let count = self.orientations.count();
+        let mut q = Vec::with_capacity(best.len() * self.chain.dofs().len());
+        best.iter().for_each(|(_, number)| self.samples.push(*number, &mut q));
+        let mut placed = Vec::with_capacity(best.len());
+        Dexterity::new(self.chain).all(&q, &mut placed);
+        let is_there = |pose: usize, placed: &Placed| {
+            let rows = std::array::from_fn(|entry| placed.R_BH[(entry / 3, entry % 3)]);
+            self.pose(&placed.p_BH, &rows) == Some(pose)
+        };
+        let found = best.iter().zip(&placed).filter(|((pose, _), placed)| is_there(*pose, placed));
+        let reached = found.map(|((pose, number), placed)| Reached {
+            voxel: (pose / count) as u32,
+            orientation: (pose % count) as u16,
+            manipulability: placed.manipulability,
+            code: *number,
+        });
+        reached.collect()
+    }
+
+    /// The pose of the map that a pose of the hand belongs to; the rotation row by row.
     #[inline]
-    fn pose(&self, placed: &Placed) -> Option<u32> {
-        let voxel = self.grid.at(&placed.p_BH)?;
+    fn pose(&self, p_BH: &Vector3<f64>, R_BH: &[f64; 9]) -> Option<usize> {
+        let voxel = self.grid.at(p_BH)?;
         let orientation = match self.orientations.count() {
             1 => 0,
-            _ => self.orientations.nearest_to(quaternion(&placed.R_BH)),
+            _ => self.orientations.nearest_to(quaternion(R_BH)),
         };
-        Some((voxel * self.orientations.count() + orientation) as u32)
+        Some(voxel * self.orientations.count() + orientation)
     }
 }
 
 /// `[w, x, y, z]` of a rotation, of any length, by its greatest component (Shepperd 1978).
 #[inline]
-fn quaternion(R: &Matrix3<f64>) -> [f64; 4] {
-    let (x, y, z) = (R[(0, 0)], R[(1, 1)], R[(2, 2)]);
-    let (yz, zx, xy) = (R[(2, 1)] - R[(1, 2)], R[(0, 2)] - R[(2, 0)], R[(1, 0)] - R[(0, 1)]);
-    let (with_yz, with_zx, with_xy) = (R[(2, 1)] + R[(1, 2)], R[(0, 2)] + R[(2, 0)], R[(1, 0)] + R[(0, 1)]);
+fn quaternion(rows: &[f64; 9]) -> [f64; 4] {
+    let [x, xy_, xz_, yx_, y, yz_, zx_, zy_, z] = *rows;
+    let (yz, zx, xy) = (zy_ - yz_, xz_ - zx_, yx_ - xy_);
+    let (with_yz, with_zx, with_xy) = (zy_ + yz_, xz_ + zx_, yx_ + xy_);
     if x + y + z > 0.0 {
         [1.0 + x + y + z, yz, zx, xy]
     } else if x > y && x > z {
@@ -280,7 +303,8 @@ mod tests {
         let mut rng = Rng::new(2, 0);
         for _ in 0..5_000 {
             let rotation = rng.rotation();
-            let q = quaternion(&rotation.to_rotation_matrix().into_inner());
+            let R = rotation.to_rotation_matrix();
+            let q = quaternion(&std::array::from_fn(|entry| R[(entry / 3, entry % 3)]));
             let wanted = rotation.quaternion();
             let dot = q[0] * wanted.w + q[1] * wanted.i + q[2] * wanted.j + q[3] * wanted.k;
             let length = q.iter().map(|c| c * c).sum::<f64>().sqrt();

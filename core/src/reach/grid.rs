@@ -48,12 +48,12 @@ impl Grid {
     pub(super) fn at(&self, p: &Vector3<f64>) -> Option<usize> {
         let mut place = [0; 3];
         for axis in 0..3 {
-            // What is below, above or not a number becomes a place that no grid has.
-            let along = (p[axis] / self.voxel_m).floor() - f64::from(self.first[axis]);
-            place[axis] = if along >= 0.0 { along as usize } else { usize::MAX };
-            if place[axis] >= self.size[axis] {
+            let along = p[axis] / self.voxel_m - f64::from(self.first[axis]);
+            // What is not a number is nowhere.
+            if !(along >= 0.0 && along < self.size[axis] as f64) {
                 return None;
             }
+            place[axis] = along as usize;
         }
         Some(self.number(place))
     }

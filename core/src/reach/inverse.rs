@@ -195,14 +195,17 @@ impl<'a> Worker<'a> {
             return Solved { spot: 0, reached };
         }
         let mut best = Solved::default();
+        let mut is_blocked = !self.poses.is_empty();
         for spots in Spots::by_turn() {
             for spot in spots.filter(|spot| *spot != 0) {
                 let reached = self.solve(voxel, spot);
+                is_blocked |= !self.poses.is_empty();
                 if reached.len() > best.reached.len() {
                     best = Solved { spot, reached };
                 }
             }
-            if !best.reached.is_empty() {
+            // Turning the hand helps where it is too far away, hardly where the robot stands in its own way.
+            if is_blocked || !best.reached.is_empty() {
                 break;
             }
         }

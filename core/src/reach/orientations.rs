@@ -78,25 +78,25 @@ impl Orientations {
             return 0;
         }
         // A product of two vectors of given components is largest when both are in the same order and of equal signs.
-        let mut order = [0_usize, 1, 2, 3];
+        // Without branches: how many components are larger, or equal and earlier.
         let size = q.map(f64::abs);
-        for (a, b) in [(0, 1), (2, 3), (0, 2), (1, 3), (1, 2)] {
-            if size[order[a]] < size[order[b]] {
-                order.swap(a, b);
-            }
-        }
-        let sorted = order.map(|axis| size[axis]);
-        let (mut best, mut most) = (&self.shapes[0].0, f64::NEG_INFINITY);
-        for (shape, unit) in &self.shapes {
+        let rank: [usize; 4] = std::array::from_fn(|i| {
+            let is_before = |j: usize| if j < i { size[j] >= size[i] } else { size[j] > size[i] };
+            (0..4).map(|j| usize::from(is_before(j))).sum()
+        });
+        let mut sorted = [0.0; 4];
+        (0..4).for_each(|axis| sorted[rank[axis] & 3] = size[axis]);
+        let (mut best, mut most) = (0, f64::NEG_INFINITY);
+        for (number, (_, unit)) in self.shapes.iter().enumerate() {
             let cosine = sorted[0] * unit[0] + sorted[1] * unit[1] + sorted[2] * unit[2] + sorted[3] * unit[3];
-            if cosine > most {
-                (best, most) = (shape, cosine);
-            }
+            best = if cosine > most { number } else { best };
+            most = most.max(cosine);
         }
-        let mut c = [0; 4];
-        for (rank, axis) in order.into_iter().enumerate() {
-            c[axis] = if q[axis] < 0.0 { -best[rank] } else { best[rank] };
-        }
+        let shape = &self.shapes[best].0;
+        let c: [i32; 4] = std::array::from_fn(|axis| {
+            let size = shape[rank[axis] & 3];
+            if q[axis] < 0.0 { -size } else { size }
+        });
         usize::from(self.numbers[self.place(&c)])
     }
 

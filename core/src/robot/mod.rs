@@ -25,6 +25,7 @@ mod xml;
 
 pub use chain::{Chain, ChainError, ChainState};
 pub use dexterity::{Dexterity, Placed};
+pub(crate) use dexterity::{Rough, RoughDexterity};
 pub use error::{MAX_LINKS, RobotError};
 pub use hand_description::{HAND_VERSION, HandDescription, HandError, HandFrame, Placement};
 pub use model::{

@@ -1,14 +1,15 @@
 //! Hubo: white shells over dark joints, a visor with two eyes.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use super::Model;
 use super::shapes::{Section, lathe_with, loft_with};
-use super::surface::Surface;
+use super::surface::{Surface, V3};
 
-/// Points around the trunk, around limbs, and around fingers.
+/// Points around the trunk, around limbs, the visor, and fingers.
 const TRUNK: usize = 16;
 const LIMB: usize = 11;
+const VISOR: usize = 24;
 const FINGER: usize = 7;
 
 /// A body about z whose sections are rounded rectangles: height, half depth, half width.
@@ -56,18 +57,27 @@ fn torso() -> [Surface; 3] {
         2.3,
         TRUNK,
     );
-    let waist = round(
-        &[
-            (-0.2600, 0.0660),
-            (-0.2350, 0.0740),
-            (-0.2130, 0.0700),
-            (-0.2080, 0.0690),
-            (-0.2000, 0.0760),
-            (-0.1550, 0.0800),
-        ],
-        LIMB,
-    );
+    let waist =
+        round(&[(-0.2500, 0.0400), (-0.2350, 0.0560), (-0.2150, 0.0660), (-0.2000, 0.0700), (-0.1550, 0.0780)], LIMB);
     [chest, waist, disc(0.0170, 0.0030).at(0.1185, 0.0, -0.0500)]
+}
+
+/// A window that lies on the ball of the head (radius 0.1 m about 0.02 m): a rounded rectangle seen from the middle.
+fn visor() -> Surface {
+    let rows: Vec<Vec<V3>> = [(0.097, 1.0), (0.1015, 0.985), (0.1022, 0.93), (0.1022, 0.5), (0.1022, 0.001)]
+        .iter()
+        .map(|&(radius, share)| {
+            (0..VISOR)
+                .map(|j| {
+                    let (sin, cos) = (TAU * j as f64 / VISOR as f64).sin_cos();
+                    let rounded = |x: f64| x.signum() * x.abs().powf(0.55);
+                    let (side, up) = (0.92 * share * rounded(cos), 0.06 + 0.30 * share * rounded(sin));
+                    [radius * up.cos() * side.cos(), radius * up.cos() * side.sin(), 0.02 + radius * up.sin()]
+                })
+                .collect()
+        })
+        .collect();
+    Surface::closed_rows(&rows)
 }
 
 fn head() -> [Surface; 3] {
@@ -79,15 +89,16 @@ fn head() -> [Surface; 3] {
             (0.0200, 0.0980, 0.0970),
             (0.0550, 0.0920, 0.0910),
             (0.0850, 0.0730, 0.0720),
-            (0.1150, 0.0270, 0.0260),
+            (0.1050, 0.0500, 0.0490),
+            (0.1155, 0.0260, 0.0255),
+            (0.1178, 0.0110, 0.0110),
         ],
         2.05,
         TRUNK,
     );
-    let visor = ellipsoid([0.0530, 0.0830, 0.0460], TRUNK).at(0.0470, 0.0, 0.0250);
     let neck = round(&[(-0.1180, 0.0330), (-0.1000, 0.0390), (-0.0500, 0.0400)], LIMB);
-    let eye = |y: f64| disc(0.0105, 0.0022).turned(y.signum() * 0.30).at(0.0955, y, 0.0290);
-    [helmet, visor.with(neck), eye(0.0300).with(eye(-0.0300))]
+    let eye = |y: f64| disc(0.0105, 0.0018).turned(y.signum() * 0.30).at(0.0962, y, 0.0270);
+    [helmet, visor().with(neck), eye(0.0300).with(eye(-0.0300))]
 }
 
 /// The cap of the shoulder looks outwards, to +y.

@@ -90,6 +90,34 @@ fn a_map_that_cannot_be_fetched_or_read_is_told_and_one_can_be_built_instead() {
 }
 
 #[test]
+fn maps_with_the_torso_are_built_and_take_the_place_of_the_stored_ones() {
+    let mut bench = open("jar");
+    let wanted = MapRequest {
+        torso: true,
+        voxel_m: 0.1,
+        method: MapMethod::Forward { samples: 200_000 },
+        ..bench.page.state.reaching.wanted.clone()
+    };
+    bench.reach(ReachCommand::Settings(wanted));
+    assert!((0..2).all(|arm| matches!(bench.page.state.reaching.slot(arm), Slot::Missing(_))));
+    assert!(bench.page.state.messages.is_empty(), "nobody expects a file");
+    bench.reach(ReachCommand::Build);
+    let state = &bench.page.state;
+    let map = state.reaching.map(0).expect("it is built");
+    assert_eq!(map.about().arm.joints, 8);
+    let voxel = bench.freest(0);
+    bench.reach(ReachCommand::Select { arm: 0, voxel });
+    assert!(matches!(bench.page.state.posture(), Posture::Reach(_)));
+    let bytes = bench.page.state.reaching.shown(1).expect("it is built").bytes.to_vec();
+    let stored = MapRequest { torso: false, ..bench.page.state.reaching.wanted.clone() };
+    bench.reach(ReachCommand::Settings(stored));
+    assert_eq!(bench.page.state.reaching.map(1).map(|map| map.about().arm.joints), Some(7));
+    bench.apply(Command::OpenFile { name: "mine.reach".to_owned(), bytes });
+    assert_eq!(bench.page.state.reaching.map(1).map(|map| map.about().arm.joints), Some(8));
+    assert_eq!(bench.page.state.reaching.shown(1).map(|shown| shown.source), Some(MapSource::File));
+}
+
+#[test]
 fn a_build_can_be_stopped_and_an_edit_overtakes_it() {
     let mut bench = open("mustard");
     let before = bench.page.state.reaching.version();

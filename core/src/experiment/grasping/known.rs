@@ -7,6 +7,7 @@ use crate::experiment::ExperimentRefusal;
 use crate::experiment::protocol::random_points;
 use crate::fit::{Fit, FitInput, FitSettings, Part, fit};
 use crate::job::FitOutput;
+use crate::library::Library;
 use crate::parallel;
 use crate::rng::Rng;
 use crate::scene::{ArmChoice, PlacedObject, SCENE_VERSION, Scene, TableTop, Task};
@@ -33,6 +34,26 @@ pub(super) struct KnownObject {
 }
 
 impl KnownObject {
+    /// The object of this name, fitted to points that the seed and the number draw.
+    pub(super) fn new(
+        library: &Library,
+        name: &str,
+        settings: &FitSettings,
+        seed: u64,
+        number: u64,
+    ) -> Result<Self, ExperimentRefusal> {
+        let setup = |reason: String| ExperimentRefusal::Setup { reason };
+        let object = library.object(name).map_err(|error| setup(error.to_string()))?;
+        let rng = &mut Rng::new(seed, SURFACE_STREAM + number);
+        let points = random_points(&object.mesh(), SURFACE_POINTS, rng);
+        let table = Plane { normal: Vector3::z_axis(), offset_m: -object.half_extents().z };
+        let input = FitInput { points: &points, X_FC: None, table: Some(table) };
+        let found = fit(input, settings, Watch::idle()).map_err(|refusal| setup(format!("{name}: {refusal}")))?;
+        // Points stay with the fit in O: nothing here asks for them.
+        let fit_O = Fit { mirrored: Vec::new(), rejected: Vec::new(), runs: Vec::new(), ..found };
+        Ok(Self { name: name.to_owned(), half_m: object.half_extents(), fit_O })
+    }
+
     /// Pose of O when it stands on the table as it usually does, turned by `yaw_rad` about the table's normal.
     pub(super) fn standing(&self, [x, y]: [f64; 2], yaw_rad: f64) -> Isometry3<f64> {
         let position = Translation3::new(x, y, TABLE.height_m + self.half_m.z);
@@ -74,18 +95,9 @@ pub(super) fn turn(yaw_rad: f64) -> UnitQuaternion<f64> {
 pub(super) fn known_objects(settings: &GraspExperimentSettings) -> Result<Vec<KnownObject>, ExperimentRefusal> {
     let numbered: Vec<(u64, &String)> = (0..).zip(&settings.objects).collect();
     let known = parallel::map(&numbered, |(index, name)| {
-        let object = settings.library.object(name).map_err(|error| error.to_string())?;
-        let rng = &mut Rng::new(settings.seed, SURFACE_STREAM + index);
-        let points = random_points(&object.mesh(), SURFACE_POINTS, rng);
-        let table = Plane { normal: Vector3::z_axis(), offset_m: -object.half_extents().z };
-        let input = FitInput { points: &points, X_FC: None, table: Some(table) };
-        let found =
-            fit(input, &FitSettings::default(), Watch::idle()).map_err(|refusal| format!("{name}: {refusal}"))?;
-        // Points stay with the fit in O: nothing here asks for them.
-        let fit_O = Fit { mirrored: Vec::new(), rejected: Vec::new(), runs: Vec::new(), ..found };
-        Ok(KnownObject { name: (*name).clone(), half_m: object.half_extents(), fit_O })
+        KnownObject::new(&settings.library, name, &FitSettings::default(), settings.seed, *index)
     });
-    known.into_iter().collect::<Result<_, String>>().map_err(|reason| ExperimentRefusal::Setup { reason })
+    known.into_iter().collect()
 }
 
 /// The object alone on the robot's table.

@@ -6,6 +6,8 @@
 
 mod cases;
 mod feasible;
+mod handover;
+mod handover_cases;
 mod known;
 mod motion;
 mod prioritization;
@@ -16,6 +18,7 @@ mod testing;
 
 pub use cases::Condition;
 pub use feasible::{ENOUGH, FeasibleCase, FeasibleOutcome, FeasibleRow, run_feasible};
+pub use handover::{Handed, HandoverCase, HandoverOutcome, HandoverRow, ThesisHandover, run_handover, thesis_handover};
 pub use motion::{MotionCase, MotionOutcome, MotionRow, Planned, run_motion};
 pub use prioritization::{PrioritizationOutcome, run_prioritization};
 pub use priority_row::{Excluded, ExcludedCounts, PriorityCase, PriorityRow};
@@ -25,6 +28,7 @@ use std::sync::Arc;
 
 use super::ExperimentRefusal;
 use crate::library::Library;
+use crate::scene::Scene;
 use crate::task::Planner;
 
 /// An experiment on grasps by name.
@@ -36,11 +40,13 @@ pub enum GraspExperiment {
     Grasps,
     /// Whole pick-and-place plans on random cases.
     Motion,
+    /// Table 6.1: handovers on random cases.
+    Handover,
 }
 
 impl GraspExperiment {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Prioritization, Self::Grasps, Self::Motion];
+    pub const ALL: [Self; 4] = [Self::Prioritization, Self::Grasps, Self::Motion, Self::Handover];
 
     /// The name on the command line and in files.
     pub fn name(self) -> &'static str {
@@ -48,6 +54,7 @@ impl GraspExperiment {
             Self::Prioritization => "prioritization",
             Self::Grasps => "grasps",
             Self::Motion => "motion",
+            Self::Handover => "handover",
         }
     }
 
@@ -60,6 +67,9 @@ impl GraspExperiment {
             }
             Self::Motion => {
                 "whole pick-and-place plans on random cases: success, time, and whether they keep their word"
+            }
+            Self::Handover => {
+                "Table 6.1: handovers to the other hand, to another robot and to a person on random cases"
             }
         }
     }
@@ -82,6 +92,8 @@ pub struct GraspExperimentSettings {
     pub any_way: bool,
     /// What plans look for their way with (experiment `motion`).
     pub planner: Planner,
+    /// Scenes with a handover that cases are drawn around (experiment `handover`).
+    pub scenes: Vec<Scene>,
     /// Seed of everything random.
     pub seed: u64,
     /// One case after the other on one processor, so that times mean something.

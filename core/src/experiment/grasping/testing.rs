@@ -20,6 +20,7 @@ pub(super) fn settings(objects: &[&str]) -> GraspExperimentSettings {
         clutter: 0,
         any_way: false,
         planner: Default::default(),
+        scenes: Vec::new(),
         seed: 1,
         is_serial: false,
     }

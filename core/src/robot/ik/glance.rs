@@ -156,7 +156,6 @@ impl Kernel for Look<'_> {
     type Output = ();
 
     #[inline(always)]
-    #[expect(clippy::needless_range_loop, reason = "k is the arm angle in every array")]
     fn run(self) {
         let Glancer { arm, cos, sin, shoulder, wrist } = self.glancer;
         let (upper, fore) = (arm.upper_m, arm.fore_m);

@@ -26,7 +26,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
             Slot::Here(shown) => facts(ui, arm, shown, out),
             Slot::Missing(reason) => {
                 let tokens = Tokens::of(ui);
-                let _text = paragraph(ui, &format!("No stored map: {reason}."), SECONDARY, tokens.coral);
+                let _text = paragraph(ui, &format!("None yet: {reason}. Build it below."), SECONDARY, tokens.coral);
             }
             Slot::Awaited(path) => explain(ui, &format!("{path} is on its way.")),
             Slot::Empty => {}
