@@ -5,6 +5,8 @@ mod lab;
 mod motion;
 mod palette;
 mod picture;
+mod reach;
+mod reach_cells;
 mod swept;
 
 use std::sync::Arc;
@@ -25,6 +27,8 @@ pub use lab::LabContent;
 pub use motion::MotionContent;
 pub use palette::Palette;
 pub use picture::Picture;
+pub use reach::ReachContent;
+pub use reach_cells::reach_scale;
 
 /// Resolution of a fit's mesh: 96 columns, 47 rings.
 const FIT_MESH_HALF: u32 = 12;
@@ -63,6 +67,8 @@ pub struct Content<'a> {
     pub colored_by: Quantity,
     /// The filter whose cone and box are drawn.
     pub filter: Option<&'a GraspFilter>,
+    /// Reachability maps, if there are any.
+    pub reach: Option<ReachContent<'a>>,
     /// The fit under examination, if there is one.
     pub lab: Option<LabContent<'a>>,
     pub theme: Theme,
@@ -81,6 +87,7 @@ pub struct Composer {
     cloud: Option<CloudCache>,
     glyphs: Option<grasps::Glyphs>,
     motion: Option<motion::Motion>,
+    reach: reach::Drawn,
 }
 
 /// Address and number of the points, whether they are segmented, the cluster that is not seen, whether the others are
@@ -116,6 +123,7 @@ impl Composer {
         self.add_grasps(&mut frame, input, &palette);
         grasps::add_filter(&mut frame, input, &palette);
         self.add_motion(&mut frame, input, &palette);
+        self.add_reach(&mut frame, input, &palette);
         frame
     }
 

@@ -24,7 +24,7 @@ fn run(pipeline: &mut Pipeline, request: &Request) -> (Vec<Output>, Option<Refus
     pipeline.run(request, &Watch::idle(), &mut |update| match update {
         Update::Done { output, .. } => outputs.push(*output),
         Update::Refused { refusal, .. } => refused = Some(refusal),
-        Update::Progress { .. } | Update::Finished { .. } => {}
+        Update::Progress { .. } | Update::Mapping { .. } | Update::Finished { .. } => {}
     });
     (outputs, refused)
 }

@@ -40,7 +40,8 @@ impl ViewerState {
             Step::Stage(Stage::Plan) => matches!(self.plan_page(), PlanPage::Plan | PlanPage::Task),
             _ => false,
         };
-        (is_open && !self.playback.playing && self.shown_try().is_none()).then_some(self.planning.step.min(last))
+        let is_free = !self.playback.playing && !self.reaching.is_open && self.shown_try().is_none();
+        (is_open && is_free).then_some(self.planning.step.min(last))
     }
 
     /// Whether somebody works on the task.

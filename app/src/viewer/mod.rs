@@ -31,8 +31,11 @@ mod pick;
 mod planning;
 mod playback;
 mod quantities;
+mod reach;
+mod reach_view;
 mod region_drag;
 mod regions;
+mod slider;
 mod state;
 mod status;
 mod studio;
@@ -58,6 +61,8 @@ pub use pick::Pick;
 pub use planning::{PlanCommand, PlanPage, Planning, PlanningKey, PlayPage, planner_title};
 pub use playback::Playback;
 pub use quantities::unit as unit_of;
+pub use reach::{MapSource, ReachCommand, ReachKey, ReachPage, Reaching, ShownMap, Slot, VoxelChoice};
+pub use reach_view::{Keep, ReachArms, ReachQuantity, ReachView, Slice};
 pub use state::{
     Hover, IkChoice, Message, Overlay, Selection, Side, Situation, StageState, Step, ThemeChoice, ViewerState,
 };

@@ -18,11 +18,19 @@ pub enum Pick {
         /// Which one, in the order of the fit.
         part: u32,
     },
+    /// A voxel of a reachability map.
+    Voxel {
+        /// Of the left arm (0) or of the right one (1).
+        arm: u32,
+        /// Its number.
+        voxel: u32,
+    },
 }
 
 impl Pick {
     const KIND_SHIFT: u32 = 28;
     const INDEX: u32 = (1 << Self::KIND_SHIFT) - 1;
+    const ARM_SHIFT: u32 = 27;
     const PART_SHIFT: u32 = 20;
     const PART: u32 = (1 << (Self::KIND_SHIFT - Self::PART_SHIFT)) - 1;
 
@@ -38,6 +46,10 @@ impl Pick {
                 pack(4, part << Self::PART_SHIFT | cluster)
             }
             Self::Part { .. } => 0,
+            Self::Voxel { arm, voxel } if arm < 2 && voxel < 1 << Self::ARM_SHIFT => {
+                pack(5, arm << Self::ARM_SHIFT | voxel)
+            }
+            Self::Voxel { .. } => 0,
         }
     }
 
@@ -49,6 +61,7 @@ impl Pick {
             2 => Self::Cluster(index),
             3 => Self::Grasp(index),
             4 => Self::Part { cluster: index & ((1 << Self::PART_SHIFT) - 1), part: index >> Self::PART_SHIFT },
+            5 => Self::Voxel { arm: index >> Self::ARM_SHIFT, voxel: index & ((1 << Self::ARM_SHIFT) - 1) },
             _ => Self::Nothing,
         }
     }
@@ -65,6 +78,8 @@ mod tests {
         }
         let part = Pick::Part { cluster: 3, part: 5 };
         assert_eq!(Pick::from_id(part.id()), part);
+        let voxel = Pick::Voxel { arm: 1, voxel: 81_234 };
+        assert_eq!(Pick::from_id(voxel.id()), voxel);
         assert_eq!(Pick::Grasp(u32::MAX).id(), 0);
     }
 }

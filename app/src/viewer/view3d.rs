@@ -11,7 +11,9 @@ use super::goal_gizmo::{GoalGizmo, Shot};
 use super::layout::Layout;
 use super::region_drag::RegionDrag;
 use super::theme::{SECONDARY, Tokens, font};
-use super::{Command, GraspCommand, NamedView, Pick, Picture, Studio, Tone, ViewKey, ViewerState, legends};
+use super::{
+    Command, GraspCommand, NamedView, Pick, Picture, ReachCommand, Studio, Tone, ViewKey, ViewerState, legends,
+};
 use crate::render::{Bounds, BoundsCache, Camera, Named, Picker, Quality, Renderer, Target, Theme, View};
 
 /// Radians per point of dragging: a drag over 600 points turns by half a turn.
@@ -326,7 +328,7 @@ impl View3d {
         let grasp = if let Pick::Grasp(id) = pick { Some(id) } else { None };
         let cluster = match pick {
             Pick::Cluster(cluster) | Pick::Part { cluster, .. } => Some(cluster as usize),
-            Pick::Grasp(_) | Pick::Robot | Pick::Nothing => None,
+            Pick::Grasp(_) | Pick::Voxel { .. } | Pick::Robot | Pick::Nothing => None,
         };
         if state.hover.grasp != grasp {
             commands.push(Command::HoverGrasp(grasp));
@@ -344,6 +346,9 @@ impl View3d {
                 }
                 Pick::Cluster(cluster) | Pick::Part { cluster, .. } => {
                     commands.push(Command::SelectCluster(cluster as usize));
+                }
+                Pick::Voxel { arm, voxel } => {
+                    commands.push(Command::Reach(ReachCommand::Select { arm: arm as usize, voxel }));
                 }
                 Pick::Robot | Pick::Nothing => {}
             }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::handover::HandoverInput;
 use super::legs::TaskInput;
 use super::memory::{Memory, text};
-use super::{handover, lab, perceive, rank};
+use super::{handover, lab, map, perceive, rank};
 use crate::grasp::{Grasp, RankBy};
 use crate::job::{
     FitOutput, GraspsOutput, Output, RankOutput, Refusal, Request, SceneOutput, SegmentOutput, Stage, Update,
@@ -45,10 +45,15 @@ impl Pipeline {
     /// Runs a request to its last stage and tells `emit` what happens, ending with [`Update::Finished`].
     ///
     /// The answer depends on the request alone. Times are read from the watch's clock.
-    pub fn run(&mut self, request: &Request, watch: &Watch<'_>, emit: &mut dyn FnMut(Update)) {
+    pub fn run(&mut self, request: &Request, watch: &Watch<'_>, emit: &mut (dyn FnMut(Update) + Send)) {
         let revision = request.revision;
         if let Some(cluster) = request.compare {
             self.compare(request, cluster, *watch, emit);
+            emit(Update::Finished { revision });
+            return;
+        }
+        if let Some(wanted) = &request.map {
+            map::build(&request.scene, wanted, revision, &self.library, *watch, emit);
             emit(Update::Finished { revision });
             return;
         }
@@ -78,7 +83,7 @@ impl Pipeline {
     }
 
     /// What takes too long to wait for before a plan.
-    fn tell_qualities(&mut self, request: &Request, watch: Watch<'_>, emit: &mut dyn FnMut(Update)) {
+    fn tell_qualities(&mut self, request: &Request, watch: Watch<'_>, emit: &mut (dyn FnMut(Update) + Send)) {
         let scene = &request.scene;
         let fits = if request.shape.is_some() { self.shaped.last() } else { self.fit.last() };
         let (Some((cell, _)), Some(grasps), Some(fits)) = (self.grasps.last(), self.rank.last(), fits) else { return };
@@ -93,7 +98,7 @@ impl Pipeline {
     }
 
     /// Fits a cluster with each objective, all other settings as they are.
-    fn compare(&mut self, request: &Request, cluster: usize, watch: Watch<'_>, emit: &mut dyn FnMut(Update)) {
+    fn compare(&mut self, request: &Request, cluster: usize, watch: Watch<'_>, emit: &mut (dyn FnMut(Update) + Send)) {
         let revision = request.revision;
         if let Err(refusal) = self.stage(request, Stage::Segment, watch) {
             emit(Update::Refused { revision, stage: Stage::Segment, refusal });

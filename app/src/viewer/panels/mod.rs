@@ -10,6 +10,7 @@ mod joints;
 mod layer_list;
 mod plan;
 mod play;
+mod reach;
 mod scene;
 mod segment;
 mod stepper;

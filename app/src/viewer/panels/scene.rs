@@ -11,7 +11,7 @@ use crate::viewer::layout::Layout;
 use crate::viewer::state::Step;
 use crate::viewer::theme::{SECONDARY, Tokens};
 use crate::viewer::widgets::{key_value, paragraph, secondary_button, section, segmented};
-use crate::viewer::{Command, PlanCommand, PlanPage, ViewerState, format};
+use crate::viewer::{Command, PlanCommand, PlanPage, ReachCommand, ViewerState, format};
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     let tokens = Tokens::of(ui);
@@ -46,10 +46,16 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     let _row = key_value(ui, "Seed", &scene.seed.to_string());
 
     ui.add_space(4.0);
-    if secondary_button(ui, "Edit the task", true).clicked() {
-        out.push(Command::SelectStep(Step::Stage(Stage::Plan)));
-        out.push(Command::Planning(PlanCommand::Page(PlanPage::Task)));
-    }
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 8.0;
+        if secondary_button(ui, "Edit the task", true).clicked() {
+            out.push(Command::SelectStep(Step::Stage(Stage::Plan)));
+            out.push(Command::Planning(PlanCommand::Page(PlanPage::Task)));
+        }
+        if secondary_button(ui, "What the arms reach", true).clicked() {
+            out.push(Command::Reach(ReachCommand::Open));
+        }
+    });
 
     if state.document.cloud.is_none() {
         section(ui, "Objects");

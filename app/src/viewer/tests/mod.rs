@@ -7,6 +7,7 @@ mod invented;
 mod lab;
 mod pictures;
 mod plans;
+mod reach;
 mod tasks;
 mod view;
 
