@@ -3,8 +3,10 @@
 use std::sync::Arc;
 
 use endcomfort_core::grasp::ExportFormat;
+use endcomfort_core::handover::Handover;
 use endcomfort_core::job::Output;
 use endcomfort_core::robot::Robot;
+use endcomfort_core::scene::Obstacle;
 use endcomfort_core::task::{PhaseKind, TARGET, Try};
 use nalgebra::{Isometry3, Point3};
 
@@ -19,6 +21,8 @@ use crate::viewer::{
 
 /// How far from the hand's tool centre point its reason stands, metres.
 const BEHIND_PALM_M: f64 = 0.16;
+/// How far the body of somebody who receives reaches about the frames of its links, metres.
+const BODY_M: f64 = 0.1;
 
 /// Composes pictures from the robots and demos inside the program.
 #[derive(Default)]
@@ -75,7 +79,8 @@ impl Studio for BuiltInStudio {
         let grasps = outputs.candidates();
         // A try shows what stood in the way, and nothing beside it.
         let is_try = input.planning.shown_try.is_some();
-        let under_way = is_try || matches!(input.posture, Posture::Plan { time_s } if time_s > 0.0);
+        let under_way =
+            is_try || input.is_presented || matches!(input.posture, Posture::Plan { time_s } if time_s > 0.0);
         let has_goal = outputs.grasps.as_ref().is_some_and(|g| g.X_WO_goal.is_some());
         let (X_WO_goal, X_WO_between) = goals(input);
         let content = Content {
@@ -109,7 +114,7 @@ impl Studio for BuiltInStudio {
                 scale: lab.scale(),
             });
             let legend = Some(lab.legend(&Palette::of(content.theme)));
-            return Picture { frame, labels: Vec::new(), scale, legend, bounds: lab.bounds() };
+            return Picture { frame, scale, legend, bounds: lab.bounds(), ..Picture::default() };
         }
         let has_values = content.grasps.iter().any(|g| g.is_accepted() && content.colored_by.of(g).is_some());
         let scale = (input.layers.opacity(Layer::Grasps) > 0.0 && has_values).then(|| {
@@ -118,7 +123,9 @@ impl Studio for BuiltInStudio {
             let scale = Scale { min: per_si * scale.min, max: per_si * scale.max, ..scale };
             ScaleBar { title: content.colored_by.title().to_owned(), unit, scale }
         });
-        Picture { frame, labels: labels(input, &content), scale, legend: None, bounds: Some(workspace(input)) }
+        let object_W = content.X_WO.map(|X_WO| X_WO.translation.vector.into());
+        let bounds = Some(workspace(input, &robot));
+        Picture { frame, labels: labels(input, &content), scale, legend: None, bounds, object_W }
     }
 }
 
@@ -128,15 +135,20 @@ fn goals(input: &ComposeInput<'_>) -> (Option<Isometry3<f64>>, Vec<Isometry3<f64
     let Some(found) = &input.outputs.grasps else { return (None, Vec::new()) };
     let task = &input.scene.task;
     let Some(placed) = input.scene.objects.get(task.object) else { return (found.X_WO_goal, Vec::new()) };
-    let moved = |step: &endcomfort_core::scene::Step| {
+    let moved = |X_WO_goal: &Isometry3<f64>| {
         if input.document.cloud.is_some() {
-            let shift = step.X_WO_goal.translation.vector - placed.X_WO.translation.vector;
+            let shift = X_WO_goal.translation.vector - placed.X_WO.translation.vector;
             nalgebra::Translation3::from(shift) * found.X_WO_start
         } else {
-            step.X_WO_goal * placed.X_WO.inverse() * found.X_WO_start
+            X_WO_goal * placed.X_WO.inverse() * found.X_WO_start
         }
     };
-    let mut poses: Vec<Isometry3<f64>> = task.steps.iter().map(moved).collect();
+    let wanted: Vec<Isometry3<f64>> = match input.scene.handover.as_ref().and_then(Handover::agent) {
+        // Somebody else's goal moves with them.
+        Some(agent) => agent.goal.iter().map(|goal| agent.X_WA() * goal.X_AO).collect(),
+        None => task.steps.iter().map(|step| step.X_WO_goal).collect(),
+    };
+    let mut poses: Vec<Isometry3<f64>> = wanted.iter().map(moved).collect();
     let last = poses.pop();
     (if found.revision == input.revision { found.X_WO_goal } else { last }, poses)
 }
@@ -149,6 +161,7 @@ fn motion_content<'a>(input: &ComposeInput<'a>) -> MotionContent<'a> {
         is_stale: is_stale && shown.is_none(),
         ghosts: input.planning.ghosts,
         hovered_route: input.planning.hovered_route,
+        shown_place: input.planning.shown_place,
         kept: input.kept.map_or(&[], |kept| &kept.trail),
         culprits: shown.map_or(&[], |tried| &tried.culprits),
     }
@@ -175,10 +188,25 @@ fn lab_content<'a>(input: &ComposeInput<'a>) -> Option<LabContent<'a>> {
     })
 }
 
-/// What a first look shows: the robot from the shoulders down to the table, and as much of the table as it works on.
-fn workspace(input: &ComposeInput<'_>) -> Bounds {
+/// What a first look shows: the robot from the shoulders down to the table, as much of the table as it works on, and the
+/// whole of a receiver.
+fn workspace(input: &ComposeInput<'_>, robot: &Robot) -> Bounds {
     let height_m = input.scene.table.height_m;
-    Bounds { min: Point3::new(-0.10, -0.48, height_m - 0.06), max: Point3::new(0.70, 0.48, height_m + 0.72) }
+    let mut bounds =
+        Bounds { min: Point3::new(-0.10, -0.48, height_m - 0.06), max: Point3::new(0.70, 0.48, height_m + 0.72) };
+    let Some(agent) = input.scene.handover.as_ref().and_then(Handover::agent) else { return bounds };
+    let X_WL = robot.posture(&input.scene.posture).map(|q| robot.link_poses(q)).unwrap_or_default();
+    let prefix = format!("{}_", agent.model);
+    for (link, X_WL) in robot.links.iter().zip(&X_WL).filter(|(link, _)| link.name.starts_with(&prefix)) {
+        if link.visuals.is_empty() {
+            continue;
+        }
+        let p_WL = X_WL.translation.vector;
+        let around = nalgebra::Vector3::repeat(BODY_M);
+        bounds.min = bounds.min.inf(&(p_WL - around).into());
+        bounds.max = bounds.max.sup(&(p_WL + around).into());
+    }
+    bounds
 }
 
 /// Joints and object at the moment of the picture.
@@ -306,7 +334,9 @@ fn culprit_labels(content: &Content<'_>) -> Vec<Label> {
     let X_WL = content.robot.link_poses(content.q);
     let links = content.robot.links.iter().zip(&X_WL);
     let links = links.map(|(link, X_WL)| (link.name.as_str(), Point3::from(X_WL.translation.vector)));
-    let boxes = content.scene.obstacles.iter().map(|obstacle| {
+    let agent = content.scene.handover.as_ref().and_then(Handover::agent);
+    let furniture: Vec<Obstacle> = agent.iter().flat_map(|agent| agent.furniture_W()).collect();
+    let boxes = content.scene.obstacles.iter().chain(&furniture).map(|obstacle| {
         let top = obstacle.X_WB.translation.vector + 0.5 * obstacle.size_m.z * nalgebra::Vector3::z();
         (obstacle.name.as_str(), top.into())
     });

@@ -75,6 +75,7 @@ mod tests {
             rank: Default::default(),
             motion: Default::default(),
             torso: false,
+            handover: None,
             hand: None,
         }
     }

@@ -15,11 +15,12 @@ pub enum Layer {
     Routes,
     Ghosts,
     Swept,
+    Handover,
 }
 
 impl Layer {
     /// All layers in the order of the list.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Robot,
         Self::Cloud,
         Self::Clusters,
@@ -32,6 +33,7 @@ impl Layer {
         Self::Routes,
         Self::Ghosts,
         Self::Swept,
+        Self::Handover,
     ];
 
     /// What a person reads.
@@ -49,6 +51,7 @@ impl Layer {
             Self::Routes => "Routes",
             Self::Ghosts => "Ghost poses",
             Self::Swept => "Swept volume",
+            Self::Handover => "Handover",
         }
     }
 }

@@ -11,6 +11,8 @@ pub enum Pick {
     Cluster(u32),
     /// The grasp of this number.
     Grasp(u32),
+    /// The place of the handover of this index.
+    Place(u32),
     /// A part of the composite object that is grasped.
     Part {
         /// Its cluster.
@@ -38,6 +40,7 @@ impl Pick {
                 pack(4, part << Self::PART_SHIFT | cluster)
             }
             Self::Part { .. } => 0,
+            Self::Place(index) => pack(5, index),
         }
     }
 
@@ -49,6 +52,7 @@ impl Pick {
             2 => Self::Cluster(index),
             3 => Self::Grasp(index),
             4 => Self::Part { cluster: index & ((1 << Self::PART_SHIFT) - 1), part: index >> Self::PART_SHIFT },
+            5 => Self::Place(index),
             _ => Self::Nothing,
         }
     }
@@ -60,7 +64,15 @@ mod tests {
 
     #[test]
     fn every_pick_survives_the_way_through_the_renderer() {
-        for pick in [Pick::Nothing, Pick::Robot, Pick::Cluster(0), Pick::Cluster(7), Pick::Grasp(0), Pick::Grasp(411)] {
+        for pick in [
+            Pick::Nothing,
+            Pick::Robot,
+            Pick::Cluster(0),
+            Pick::Cluster(7),
+            Pick::Grasp(0),
+            Pick::Grasp(411),
+            Pick::Place(23),
+        ] {
             assert_eq!(Pick::from_id(pick.id()), pick);
         }
         let part = Pick::Part { cluster: 3, part: 5 };

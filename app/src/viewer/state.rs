@@ -41,6 +41,8 @@ pub struct ViewerState {
     pub lab: Lab,
     /// What covers the page.
     pub overlay: Overlay,
+    /// The presentation without panels, while it runs.
+    pub presentation: Option<Presentation>,
     /// In a narrow window, the side panel that is open.
     pub drawer: Option<Side>,
     /// What the person has to be told, oldest first.
@@ -176,6 +178,13 @@ pub enum Overlay {
     Help,
 }
 
+/// The view alone, with captions; what it changed is put back at its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Presentation {
+    /// Whether the plan was played in a loop before.
+    pub(super) was_looping: bool,
+}
+
 /// A side panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
@@ -228,6 +237,7 @@ impl ViewerState {
             planning: Planning::default(),
             lab: Lab::default(),
             overlay: Overlay::None,
+            presentation: None,
             drawer: None,
             messages: Vec::new(),
             demos,
@@ -341,6 +351,7 @@ impl ViewerState {
             tries: self.tries(),
             kept: self.planning.kept.as_ref(),
             lab,
+            is_presented: self.presentation.is_some(),
             trial: lab.and_then(|lab| self.comparison()?.fit(lab.objective?)),
             dark,
         }
@@ -358,6 +369,7 @@ impl ViewerState {
             grasping: self.grasping_key(),
             planning: self.planning_key(),
             lab: self.lab_key(),
+            is_presented: self.presentation.is_some(),
             dark,
         }
     }

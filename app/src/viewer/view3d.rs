@@ -11,7 +11,9 @@ use super::goal_gizmo::{GoalGizmo, Shot};
 use super::layout::Layout;
 use super::region_drag::RegionDrag;
 use super::theme::{SECONDARY, Tokens, font};
-use super::{Command, GraspCommand, NamedView, Pick, Picture, Studio, Tone, ViewKey, ViewerState, legends};
+use super::{
+    Command, GraspCommand, HandoverCommand, NamedView, Pick, Picture, Studio, Tone, ViewKey, ViewerState, legends,
+};
 use crate::render::{Bounds, BoundsCache, Camera, Named, Picker, Quality, Renderer, Target, Theme, View};
 
 /// Radians per point of dragging: a drag over 600 points turns by half a turn.
@@ -20,6 +22,11 @@ const TURN: f64 = std::f64::consts::PI / 600.0;
 const SETTLE_S: f64 = 0.2;
 /// How long the camera travels to a named view, seconds.
 const TRAVEL_S: f64 = 0.35;
+
+/// The camera closes most of the distance to a followed object in this time, seconds.
+const FOLLOW_S: f64 = 0.35;
+/// As near as this it has arrived, metres.
+const FOLLOWED_M: f64 = 5e-4;
 
 /// An examined fit is seen from beside its sensor: what was measured, and how it goes on where nothing was.
 const BESIDE_SENSOR_RAD: f64 = 0.75;
@@ -135,7 +142,7 @@ impl View3d {
 
     /// Draws the view under the panels and gives what the person did in it.
     pub(super) fn show(&mut self, ui: &mut Ui, state: &ViewerState, studio: &mut dyn Studio) -> Vec<Command> {
-        let layout = Layout::new(ui.max_rect(), state.drawer);
+        let layout = Layout::of(ui.max_rect(), state);
         let rect = layout.picture();
         let response = ui.interact(layout.window, ui.scope_id().with("View"), Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "3D view"));
@@ -154,6 +161,7 @@ impl View3d {
         let mut commands = self.gizmo.follow(ui, &response, shot, state);
         self.handle(ui, &response, rect, state, &mut commands);
         self.travel_on(ui);
+        self.follow_object(ui, state);
         let pixels_per_point = ui.pixels_per_point();
         let size_px = [rect.width(), rect.height()].map(|side| (side * pixels_per_point).round().max(1.0) as u32);
         let theme = if dark { Theme::Dark } else { Theme::Light };
@@ -179,6 +187,9 @@ impl View3d {
             commands.extend(self.region.follow(ui, &response, rect, &self.camera, state));
         } else {
             self.region = RegionDrag::default();
+        }
+        if state.presentation.is_some() {
+            return commands;
         }
         if let Some(legend) = &self.picture.legend {
             legends::legend(ui, &layout, legend);
@@ -260,6 +271,18 @@ impl View3d {
         ui.ctx().request_repaint();
     }
 
+    /// The camera turns to where the object is, smoothly, unless a hand is on it.
+    fn follow_object(&mut self, ui: &Ui, state: &ViewerState) {
+        let is_free = state.playback.follows && self.travel.is_none() && self.anchor.is_none();
+        let Some(p_W) = self.picture.object_W.filter(|_| is_free) else { return };
+        let away = p_W - self.camera.target;
+        if away.norm() > FOLLOWED_M {
+            let dt_s = f64::from(ui.input(|input| input.stable_dt)).min(0.1);
+            self.camera.target += away * (1.0 - (-dt_s / FOLLOW_S).exp());
+            ui.ctx().request_repaint();
+        }
+    }
+
     /// Turning, moving, zooming, pointing and clicking.
     fn handle(&mut self, ui: &Ui, response: &Response, rect: Rect, state: &ViewerState, commands: &mut Vec<Command>) {
         let size = [f64::from(rect.width()), f64::from(rect.height())];
@@ -326,8 +349,12 @@ impl View3d {
         let grasp = if let Pick::Grasp(id) = pick { Some(id) } else { None };
         let cluster = match pick {
             Pick::Cluster(cluster) | Pick::Part { cluster, .. } => Some(cluster as usize),
-            Pick::Grasp(_) | Pick::Robot | Pick::Nothing => None,
+            Pick::Grasp(_) | Pick::Place(_) | Pick::Robot | Pick::Nothing => None,
         };
+        let place = if let Pick::Place(index) = pick { Some(index as usize) } else { None };
+        if state.planning.hovered_place != place {
+            commands.push(Command::Handover(HandoverCommand::HoverPlace(place)));
+        }
         if state.hover.grasp != grasp {
             commands.push(Command::HoverGrasp(grasp));
         }
@@ -344,6 +371,9 @@ impl View3d {
                 }
                 Pick::Cluster(cluster) | Pick::Part { cluster, .. } => {
                     commands.push(Command::SelectCluster(cluster as usize));
+                }
+                Pick::Place(index) => {
+                    commands.push(Command::Handover(HandoverCommand::ShowPlace(Some(index as usize))));
                 }
                 Pick::Robot | Pick::Nothing => {}
             }
