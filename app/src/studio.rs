@@ -125,7 +125,9 @@ impl Studio for BuiltInStudio {
         });
         let object_W = content.X_WO.map(|X_WO| X_WO.translation.vector.into());
         let bounds = Some(workspace(input, &robot));
-        Picture { frame, labels: labels(input, &content), scale, legend: None, bounds, object_W }
+        // An audience reads the caption.
+        let labels = if input.is_presented { Vec::new() } else { labels(input, &content) };
+        Picture { frame, labels, scale, legend: None, bounds, object_W }
     }
 }
 

@@ -8,6 +8,7 @@ pub enum Layer {
     Clusters,
     Fits,
     Goal,
+    Handover,
     Grasps,
     Rejected,
     Contacts,
@@ -15,7 +16,6 @@ pub enum Layer {
     Routes,
     Ghosts,
     Swept,
-    Handover,
 }
 
 impl Layer {
@@ -26,6 +26,7 @@ impl Layer {
         Self::Clusters,
         Self::Fits,
         Self::Goal,
+        Self::Handover,
         Self::Grasps,
         Self::Rejected,
         Self::Contacts,
@@ -33,7 +34,6 @@ impl Layer {
         Self::Routes,
         Self::Ghosts,
         Self::Swept,
-        Self::Handover,
     ];
 
     /// What a person reads.

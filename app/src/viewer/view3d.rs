@@ -28,6 +28,9 @@ const FOLLOW_S: f64 = 0.35;
 /// As near as this it has arrived, metres.
 const FOLLOWED_M: f64 = 5e-4;
 
+/// Share of the free part of the view that a whole scene fills.
+const FILLED: f64 = 0.90;
+
 /// An examined fit is seen from beside its sensor: what was measured, and how it goes on where nothing was.
 const BESIDE_SENSOR_RAD: f64 = 0.75;
 /// … and from a little above.
@@ -71,6 +74,27 @@ struct Travel {
     from: Camera,
     to: Camera,
     passed_s: f64,
+}
+
+/// Brings the camera so near that a box fills a picture, and its outline stands in the middle.
+fn fill(camera: &mut Camera, bounds: &Bounds, size: [f64; 2]) {
+    let corner = |k: usize| {
+        let at = |axis: usize| if k >> axis & 1 == 0 { bounds.min[axis] } else { bounds.max[axis] };
+        Point3::new(at(0), at(1), at(2))
+    };
+    // In perspective each step leaves an error that the next one halves at least.
+    for _ in 0..6 {
+        let seen: Vec<_> = (0..8).filter_map(|k| camera.project(&corner(k), size)).collect();
+        let Some((mut low, mut high)) = seen.first().map(|at| (at.coords, at.coords)) else { return };
+        for at in &seen {
+            (low, high) = (low.inf(&at.coords), high.sup(&at.coords));
+        }
+        let m_per_px = camera.m_per_px(&camera.target, size);
+        let middle = 0.5 * (low + high) - nalgebra::Vector2::new(0.5 * size[0], 0.5 * size[1]);
+        camera.target += m_per_px * (middle.x * camera.right() - middle.y * camera.up());
+        let share = ((high.x - low.x) / size[0]).max((high.y - low.y) / size[1]);
+        camera.distance_m *= (share / FILLED).max(0.5).min(2.0);
+    }
 }
 
 /// Where the cloud was seen from.
@@ -155,7 +179,8 @@ impl View3d {
         }
         self.go_to_lab(state);
         if self.wants_frame {
-            self.frame_picture(&layout, rect);
+            let is_whole = state.presentation.is_some() || state.receiver().is_some();
+            self.frame_picture(&layout, rect, is_whole);
         }
         let shot = Shot { rect, camera: &self.camera };
         let mut commands = self.gizmo.follow(ui, &response, shot, state);
@@ -217,7 +242,9 @@ impl View3d {
     }
 
     /// Brings the picture's bounds into the part of the view that the panels leave free.
-    fn frame_picture(&mut self, layout: &Layout, rect: Rect) {
+    ///
+    /// * `is_whole`: the box is to fill that part; otherwise what stands about it is seen too.
+    fn frame_picture(&mut self, layout: &Layout, rect: Rect, is_whole: bool) {
         let everything = || Bounds::of_frame(&self.picture.frame, &mut self.bounds);
         let Some(bounds) = self.picture.bounds.or_else(everything) else { return };
         let free = layout.free.size().max(Vec2::splat(1.0));
@@ -228,6 +255,9 @@ impl View3d {
             to.pitch_rad = LAB_PITCH_RAD;
         }
         to.frame(&bounds, [f64::from(free.x), f64::from(free.y)]);
+        if is_whole {
+            fill(&mut to, &bounds, [f64::from(free.x), f64::from(free.y)]);
+        }
         // The camera's field of view spans the whole picture, of which the free part is only a piece.
         to.distance_m *= f64::from(rect.height() / free.y);
         self.wants_frame = false;

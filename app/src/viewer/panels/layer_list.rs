@@ -17,8 +17,10 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     ui.add_space(4.0);
     section(ui, "Shown");
     ui.add_space(2.0);
-    let layers: Vec<Layer> =
-        Layer::ALL.into_iter().filter(|&layer| layer != Layer::Handover || state.scene().handover.is_some()).collect();
+    // A handover has no routes, and nothing else has places.
+    let is_handover = state.scene().handover.is_some();
+    let without = if is_handover { Layer::Routes } else { Layer::Handover };
+    let layers: Vec<Layer> = Layer::ALL.into_iter().filter(|&layer| layer != without).collect();
     let height = ui.available_height() / layers.len() as f32;
     let height = height.max(ROW[1]).min(ROW[0]);
     egui::ScrollArea::vertical().id_salt("Shown").auto_shrink([false, true]).show(ui, |ui| {

@@ -16,7 +16,7 @@ use crate::viewer::{Command, ViewerState, format, playback};
 
 const BARS: f32 = 11.0;
 /// Height of a row of bars where each side of a handover has its own, and the room between the two, points.
-const SIDE: [f32; 2] = [9.0, 3.0];
+const SIDE: [f32; 2] = [9.0, 4.0];
 /// Width of the timeline from which it has room for the buttons that step, points.
 const STEPS_FROM: f32 = 440.0;
 

@@ -17,6 +17,8 @@ const PHONE: [f32; 2] = [390.0, 844.0];
 /// A demo, planned, with the page of its handover open.
 fn handed(demo: &str) -> Bench {
     let mut bench = Bench::until(demo, Stage::Plan);
+    let refusal = bench.page.state.refusal();
+    assert!(refusal.is_none(), "{demo}: {refusal:?}");
     bench.apply(Command::SelectStep(Step::Stage(Stage::Plan)));
     bench.apply(Command::Planning(PlanCommand::Page(PlanPage::Handover)));
     bench
