@@ -228,9 +228,7 @@ fn judge(
     let mut rng = Rng::new(settings.seed, asked.stream);
     let seed = settings.seed ^ asked.stream;
     let mut drawn = match asked.base {
-        Some(base) => {
-            Case::new(around(base, asked.object, &mut rng, seed), asked.object, settings, watch).map_err(refused)?
-        }
+        Some(base) => Case::new(around(base, &mut rng, seed), asked.object, settings, watch).map_err(refused)?,
         None => {
             let mut draws = 0;
             loop {
@@ -253,7 +251,9 @@ fn judge(
     let (plan, plan_ms, partners) = drawn.plan(asked.object, settings, silent).map_err(refused)?;
     let planned = match plan {
         Ok(plan) => Ok(Handed::of(&partners, &plan).map_err(refused)?),
-        Err(refusal) => Err(refusal.tries.first().map_or(refusal.message, ToString::to_string)),
+        Err(Refusal { message, details, .. }) => {
+            Err([message].into_iter().chain(details.into_iter().take(1)).collect::<Vec<_>>().join(": "))
+        }
     };
     Ok(HandoverCase {
         scenario: asked.scenario.clone(),

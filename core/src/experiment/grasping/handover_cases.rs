@@ -1,6 +1,6 @@
 //! Random handovers: where the receiver stands, where the object starts and where it goes (thesis 6.2).
 
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Translation3};
 
 use super::known::{KnownObject, TABLE, scene, turn};
 use crate::handover::{Handover, PlaceChoice, Receiver};
@@ -10,8 +10,10 @@ use crate::scene::{ArmChoice, Scene, Task};
 /// How far a receiver stands from its place in the scene, metres to either side, and how far it is turned, rad.
 const APART_M: f64 = 0.08;
 const TURNED_RAD: f64 = 0.3;
-/// How far the object starts from its place in the scene, and ends from its goal there, metres to either side.
-const START_M: f64 = 0.06;
+/// How far the object starts from its place in the scene, and ends from its goal there, metres to either side; how far
+/// it is turned about the vertical at its start, rad.
+const START_M: f64 = 0.05;
+const START_TURN_RAD: f64 = 0.8;
 const GOAL_M: f64 = 0.03;
 /// Part of the table from which an object is passed to the other hand: x, and |y|, metres.
 const FORWARD_M: [f64; 2] = [0.35, 0.6];
@@ -22,14 +24,14 @@ fn about(rng: &mut Rng, half: f64) -> f64 {
     rng.uniform(-half, half)
 }
 
-/// A case around a scene: receiver, start and goal moved and turned. The object starts turned by any angle.
-pub(super) fn around(base: &Scene, object: &KnownObject, rng: &mut Rng, seed: u64) -> Scene {
+/// A case around a scene: receiver, start and goal moved and turned.
+pub(super) fn around(base: &Scene, rng: &mut Rng, seed: u64) -> Scene {
     let mut drawn = base.clone();
     drawn.seed = seed;
     let placed = &mut drawn.objects[base.task.object];
-    let p = placed.X_WO.translation.vector;
-    let start = [p.x + about(rng, START_M), p.y + about(rng, START_M)];
-    placed.X_WO = object.standing(start, rng.uniform(-std::f64::consts::PI, std::f64::consts::PI));
+    let shift = Translation3::new(about(rng, START_M), about(rng, START_M), 0.0);
+    let yaw = turn(about(rng, START_TURN_RAD));
+    placed.X_WO = Isometry3::from_parts(shift * placed.X_WO.translation, yaw * placed.X_WO.rotation);
     // Nothing else stands on the table: what the camera sees is measured elsewhere.
     drawn.objects = vec![drawn.objects.swap_remove(base.task.object)];
     drawn.task = Task { object: 0, steps: drawn.task.steps };
