@@ -5,10 +5,10 @@ use std::sync::Arc;
 use endcomfort_core::grasp::ExportFormat;
 use endcomfort_core::handover::Handover;
 use endcomfort_core::job::Output;
-use endcomfort_core::robot::Robot;
+use endcomfort_core::robot::{Link, Robot};
 use endcomfort_core::scene::Obstacle;
 use endcomfort_core::task::{PhaseKind, TARGET, Try};
-use nalgebra::{Isometry3, Point3};
+use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::assets;
 use crate::compose::{Composer, Content, LabContent, MotionContent, Palette, quantity_scale};
@@ -124,10 +124,12 @@ impl Studio for BuiltInStudio {
             ScaleBar { title: content.colored_by.title().to_owned(), unit, scale }
         });
         let object_W = content.X_WO.map(|X_WO| X_WO.translation.vector.into());
-        let bounds = Some(workspace(input, &robot));
+        let bounds = workspace(input);
+        let outline = outline(input, &robot, &bounds);
+        let bounds = Some(bounds);
         // An audience reads the caption.
         let labels = if input.is_presented { Vec::new() } else { labels(input, &content) };
-        Picture { frame, labels, scale, legend: None, bounds, object_W }
+        Picture { frame, labels, scale, legend: None, bounds, outline, object_W }
     }
 }
 
@@ -164,6 +166,7 @@ fn motion_content<'a>(input: &ComposeInput<'a>) -> MotionContent<'a> {
         ghosts: input.planning.ghosts,
         hovered_route: input.planning.hovered_route,
         shown_place: input.planning.shown_place,
+        is_presented: input.is_presented,
         kept: input.kept.map_or(&[], |kept| &kept.trail),
         culprits: shown.map_or(&[], |tried| &tried.culprits),
     }
@@ -190,25 +193,25 @@ fn lab_content<'a>(input: &ComposeInput<'a>) -> Option<LabContent<'a>> {
     })
 }
 
-/// What a first look shows: the robot from the shoulders down to the table, as much of the table as it works on, and the
-/// whole of a receiver.
-fn workspace(input: &ComposeInput<'_>, robot: &Robot) -> Bounds {
+/// What a first look shows: the robot from the shoulders down to the table, and as much of the table as it works on.
+fn workspace(input: &ComposeInput<'_>) -> Bounds {
     let height_m = input.scene.table.height_m;
-    let mut bounds =
-        Bounds { min: Point3::new(-0.10, -0.48, height_m - 0.06), max: Point3::new(0.70, 0.48, height_m + 0.72) };
-    let Some(agent) = input.scene.handover.as_ref().and_then(Handover::agent) else { return bounds };
+    Bounds { min: Point3::new(-0.10, -0.48, height_m - 0.06), max: Point3::new(0.70, 0.48, height_m + 0.72) }
+}
+
+/// Where somebody receives, what has to be seen of both: the corners of the workspace, and points about the receiver.
+fn outline(input: &ComposeInput<'_>, robot: &Robot, workspace: &Bounds) -> Vec<Point3<f64>> {
+    let Some(agent) = input.scene.handover.as_ref().and_then(Handover::agent) else { return Vec::new() };
+    let mut points = workspace.corners().to_vec();
     let X_WL = robot.posture(&input.scene.posture).map(|q| robot.link_poses(q)).unwrap_or_default();
     let prefix = format!("{}_", agent.model);
-    for (link, X_WL) in robot.links.iter().zip(&X_WL).filter(|(link, _)| link.name.starts_with(&prefix)) {
-        if link.visuals.is_empty() {
-            continue;
-        }
-        let p_WL = X_WL.translation.vector;
-        let around = nalgebra::Vector3::repeat(BODY_M);
-        bounds.min = bounds.min.inf(&(p_WL - around).into());
-        bounds.max = bounds.max.sup(&(p_WL + around).into());
+    let is_seen = |link: &Link| link.name.starts_with(&prefix) && !link.visuals.is_empty();
+    for (_, X_WL) in robot.links.iter().zip(&X_WL).filter(|(link, _)| is_seen(link)) {
+        let p_WL = Point3::from(X_WL.translation.vector);
+        let about = |side: Vector3<f64>| [p_WL - BODY_M * side, p_WL + BODY_M * side];
+        points.extend([Vector3::x(), Vector3::y(), Vector3::z()].into_iter().flat_map(about));
     }
-    bounds
+    points
 }
 
 /// Joints and object at the moment of the picture.
@@ -297,7 +300,8 @@ fn labels(input: &ComposeInput<'_>, content: &Content<'_>) -> Vec<Label> {
         let Ok(fit) = fit else { continue };
         let is_target = cluster == fits.target;
         let X_WS = if is_target { content.X_WO.unwrap_or(fit.superquadric.X_FS) } else { fit.superquadric.X_FS };
-        let described = input.document.cloud.is_none().then(|| nearest_title(input, &fit.superquadric.X_FS)).flatten();
+        let title = || nearest_title(input, &fit.superquadric.X_FS).or_else(|| task_title(input).filter(|_| is_target));
+        let described = input.document.cloud.is_none().then(title).flatten();
         let placed = input.scene.object_at(&fit.superquadric.X_FS).map(|placed| placed.object.as_str());
         let is_blamed = is_target && content.motion.blames(TARGET)
             || !is_target && content.motion.blames(placed.unwrap_or(&format!("cluster {cluster}")));
@@ -339,7 +343,7 @@ fn culprit_labels(content: &Content<'_>) -> Vec<Label> {
     let agent = content.scene.handover.as_ref().and_then(Handover::agent);
     let furniture: Vec<Obstacle> = agent.iter().flat_map(|agent| agent.furniture_W()).collect();
     let boxes = content.scene.obstacles.iter().chain(&furniture).map(|obstacle| {
-        let top = obstacle.X_WB.translation.vector + 0.5 * obstacle.size_m.z * nalgebra::Vector3::z();
+        let top = obstacle.X_WB.translation.vector + 0.5 * obstacle.size_m.z * Vector3::z();
         (obstacle.name.as_str(), top.into())
     });
     let table = &content.scene.table;
@@ -382,6 +386,12 @@ fn top_of(fit: &endcomfort_core::fit::Fit, X_WS: &Isometry3<f64>) -> Point3<f64>
     let posed = endcomfort_core::superquadric::Superquadric { X_FS: *X_WS, ..fit.superquadric };
     let top = X_WS.translation.z + posed.half_extents().z;
     Point3::new(X_WS.translation.x, X_WS.translation.y, top + 0.015)
+}
+
+/// Title of the described object that the task is about.
+fn task_title(input: &ComposeInput<'_>) -> Option<String> {
+    let placed = input.scene.objects.get(input.scene.task.object)?;
+    Some(assets::library().object(&placed.object).ok()?.title.clone())
 }
 
 /// Title of the described object that stands where a fit is.

@@ -57,6 +57,10 @@ impl Composer {
         }
         frame.meshes.push(mark(&marks.voxel, &place.voxel, faint(VOXEL), Surface::Ghost, 0));
         frame.lines.extend(edges(&place.voxel, report.voxel_m).map(|points| LineDraw::new(points, ink, 1.8)));
+        if input.motion.is_presented {
+            self.marks = Some(marks);
+            return;
+        }
         for (index, voxel) in others(report, shown) {
             let is_refused = report.places[index].refused.is_some();
             let mut color = if is_refused && !input.motion.is_stale { palette.rejected } else { faint(0.85) };

@@ -33,6 +33,8 @@ pub struct MotionContent<'a> {
     pub hovered_route: Option<usize>,
     /// The place of the handover that is looked at; `None` is the one that is used.
     pub shown_place: Option<usize>,
+    /// Whether an audience looks on: of a handover the chosen place alone.
+    pub is_presented: bool,
     /// The hand's way of another plan, to compare with.
     pub kept: &'a [Point3<f64>],
     /// Names of what stands in the way in the posture that is shown.

@@ -109,6 +109,8 @@ pub struct Picture {
     pub legend: Option<Legend>,
     /// The box that `F` frames; `None` frames whatever is drawn.
     pub bounds: Option<Bounds>,
+    /// Points that `F` brings into the view as near as they allow; without any, the box as a whole.
+    pub outline: Vec<Point3<f64>>,
     /// Where the object is that the task is about, in the world, metres.
     pub object_W: Option<Point3<f64>>,
 }

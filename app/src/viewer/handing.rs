@@ -64,9 +64,12 @@ pub(super) fn everybody(scene: &Scene, robot_title: String) -> String {
 }
 
 impl ViewerState {
-    /// Everybody in the scene, as a person reads it.
+    /// Everybody in the scene, short: `Alita, Hubo`.
     pub fn who_is_there(&self) -> String {
-        everybody(&self.document.scene, self.robot_title())
+        match self.receiver() {
+            None => self.robot_title(),
+            Some(agent) => format!("{}, {}", self.robot_title(), format::title_of(&agent.model)),
+        }
     }
 
     /// Who receives the object, if it is not the robot itself.

@@ -76,15 +76,11 @@ struct Travel {
     passed_s: f64,
 }
 
-/// Brings the camera so near that a box fills a picture, and its outline stands in the middle.
-fn fill(camera: &mut Camera, bounds: &Bounds, size: [f64; 2]) {
-    let corner = |k: usize| {
-        let at = |axis: usize| if k >> axis & 1 == 0 { bounds.min[axis] } else { bounds.max[axis] };
-        Point3::new(at(0), at(1), at(2))
-    };
-    // In perspective each step leaves an error that the next one halves at least.
+/// Brings the camera so near that points fill a picture, their outline in the middle.
+fn fill(camera: &mut Camera, points: &[Point3<f64>], size: [f64; 2]) {
+    // In perspective each step leaves an error, smaller than the one before.
     for _ in 0..6 {
-        let seen: Vec<_> = (0..8).filter_map(|k| camera.project(&corner(k), size)).collect();
+        let seen: Vec<_> = points.iter().filter_map(|point| camera.project(point, size)).collect();
         let Some((mut low, mut high)) = seen.first().map(|at| (at.coords, at.coords)) else { return };
         for at in &seen {
             (low, high) = (low.inf(&at.coords), high.sup(&at.coords));
@@ -179,8 +175,7 @@ impl View3d {
         }
         self.go_to_lab(state);
         if self.wants_frame {
-            let is_whole = state.presentation.is_some() || state.receiver().is_some();
-            self.frame_picture(&layout, rect, is_whole);
+            self.frame_picture(&layout, rect, state.presentation.is_some());
         }
         let shot = Shot { rect, camera: &self.camera };
         let mut commands = self.gizmo.follow(ui, &response, shot, state);
@@ -243,8 +238,8 @@ impl View3d {
 
     /// Brings the picture's bounds into the part of the view that the panels leave free.
     ///
-    /// * `is_whole`: the box is to fill that part; otherwise what stands about it is seen too.
-    fn frame_picture(&mut self, layout: &Layout, rect: Rect, is_whole: bool) {
+    /// * `is_alone`: no panel is in the way, so that the box may fill that part.
+    fn frame_picture(&mut self, layout: &Layout, rect: Rect, is_alone: bool) {
         let everything = || Bounds::of_frame(&self.picture.frame, &mut self.bounds);
         let Some(bounds) = self.picture.bounds.or_else(everything) else { return };
         let free = layout.free.size().max(Vec2::splat(1.0));
@@ -255,9 +250,10 @@ impl View3d {
             to.pitch_rad = LAB_PITCH_RAD;
         }
         to.frame(&bounds, [f64::from(free.x), f64::from(free.y)]);
-        if is_whole {
-            fill(&mut to, &bounds, [f64::from(free.x), f64::from(free.y)]);
-        }
+        let outline = &self.picture.outline;
+        let corners = bounds.corners();
+        let points = if outline.is_empty() && is_alone { corners.as_slice() } else { outline.as_slice() };
+        fill(&mut to, points, [f64::from(free.x), f64::from(free.y)]);
         // The camera's field of view spans the whole picture, of which the free part is only a piece.
         to.distance_m *= f64::from(rect.height() / free.y);
         self.wants_frame = false;

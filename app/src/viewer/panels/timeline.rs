@@ -272,7 +272,11 @@ fn sides(ui: &Ui, state: &ViewerState, plan: &Plan, partners: &[Partner; 2], tra
     }
     let Some(time_s) = changes_hands_s(plan) else { return };
     let x = x_of(track, time_s, state.duration_s());
-    ui.painter().vline(x, track.y_range(), Stroke::new(1.5, tokens.faint));
+    // Not through the words below the rows.
+    let below = track.top() + bars_height(plan);
+    for (from, to) in [(track.top(), below), (below + 20.0, track.bottom())] {
+        ui.painter().vline(x, from..=to, Stroke::new(1.5, tokens.faint));
+    }
     let galley = ui.painter().layout_no_wrap("changes hands".to_owned(), font(SMALL), tokens.secondary);
     let at = pos2((x + 6.0).min(track.right() - galley.size().x), track.bottom() - galley.size().y);
     let back = Rect::from_min_size(at, galley.size()).expand2(vec2(3.0, 0.0));

@@ -13,7 +13,7 @@ use crate::viewer::widgets::{paragraph, secondary_button, section, segmented_wid
 use crate::viewer::{Command, HandoverCommand, format};
 
 /// How somebody can wait for the object, in the order of the buttons.
-const POSTURES: [&str; 3] = ["standing", "sitting", "kneeling"];
+const POSTURES: [&str; 4] = ["standing", "serving", "sitting", "kneeling"];
 /// Which arm acts.
 const ARMS: [Option<ArmChoice>; 3] = [None, Some(ArmChoice::Left), Some(ArmChoice::Right)];
 /// Highest thing that somebody stands on, metres.
