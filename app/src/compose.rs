@@ -1,6 +1,7 @@
 //! From the pipeline's results to a draw list: which bodies, points and lines show what the robot knows and does.
 
 mod grasps;
+mod handover;
 mod lab;
 mod motion;
 mod palette;
@@ -12,9 +13,10 @@ mod swept;
 use std::sync::Arc;
 
 use endcomfort_core::grasp::{Grasp, GraspFilter, Quantity};
+use endcomfort_core::handover::Handover;
 use endcomfort_core::job::{FitOutput, SceneOutput, SegmentOutput};
 use endcomfort_core::mesh::Mesh;
-use endcomfort_core::robot::Robot;
+use endcomfort_core::robot::{Geometry, Link, Robot};
 use endcomfort_core::scene::Scene;
 use endcomfort_core::superquadric::Superquadric;
 use endcomfort_core::task::{Plan, TARGET};
@@ -88,6 +90,7 @@ pub struct Composer {
     glyphs: Option<grasps::Glyphs>,
     motion: Option<motion::Motion>,
     reach: reach::Drawn,
+    marks: Option<handover::Marks>,
 }
 
 /// Address and number of the points, whether they are segmented, the cluster that is not seen, whether the others are
@@ -124,6 +127,7 @@ impl Composer {
         grasps::add_filter(&mut frame, input, &palette);
         self.add_motion(&mut frame, input, &palette);
         self.add_reach(&mut frame, input, &palette);
+        self.add_handover(&mut frame, input, &palette);
         frame
     }
 
@@ -155,7 +159,9 @@ impl Composer {
                 pick_id: 0,
             });
         }
-        for obstacle in &scene.obstacles {
+        let agent = scene.handover.as_ref().and_then(Handover::agent);
+        let obstacles = scene.obstacles.iter().cloned().chain(agent.iter().flat_map(|agent| agent.furniture_W()));
+        for obstacle in obstacles {
             let mesh = self.box_mesh(obstacle.size_m);
             frame.meshes.push(MeshDraw {
                 mesh,
@@ -169,13 +175,18 @@ impl Composer {
 
     fn link_meshes(&mut self, robot: &Arc<Robot>) -> &[Vec<Arc<Mesh>>] {
         // Held, not only its address: another robot may come to stand at the address of one that is gone.
-        if self.links.as_ref().is_none_or(|(known, _)| !Arc::ptr_eq(known, robot)) {
-            let meshes = robot
-                .links
-                .iter()
-                .map(|link| link.visuals.iter().map(|visual| shapes::geometry_mesh(&visual.geometry)).collect())
-                .collect();
-            self.links = Some((robot.clone(), meshes));
+        match &mut self.links {
+            Some((known, _)) if Arc::ptr_eq(known, robot) => {}
+            // A receiver that is dragged: the same bodies at another place.
+            Some((known, _)) if has_same_bodies(known, robot) => *known = robot.clone(),
+            links => {
+                let meshes = robot
+                    .links
+                    .iter()
+                    .map(|link| link.visuals.iter().map(|visual| shapes::geometry_mesh(&visual.geometry)).collect())
+                    .collect();
+                *links = Some((robot.clone(), meshes));
+            }
         }
         self.links.as_ref().map_or(&[], |(_, meshes)| meshes)
     }
@@ -287,5 +298,30 @@ impl Composer {
                 }
             }
         }
+    }
+}
+
+/// Whether the links of two robots are drawn as the same bodies.
+fn has_same_bodies(a: &Robot, b: &Robot) -> bool {
+    let same = |(a, b): (&Link, &Link)| {
+        let mut visuals = a.visuals.iter().zip(&b.visuals);
+        a.visuals.len() == b.visuals.len() && visuals.all(|(a, b)| is_same_shape(&a.geometry, &b.geometry))
+    };
+    a.links.len() == b.links.len() && a.links.iter().zip(&b.links).all(same)
+}
+
+fn is_same_shape(a: &Geometry, b: &Geometry) -> bool {
+    match (a, b) {
+        (Geometry::Box { size_m: a }, Geometry::Box { size_m: b }) => a == b,
+        (Geometry::Sphere { radius_m: a }, Geometry::Sphere { radius_m: b }) => a == b,
+        (
+            Geometry::Cylinder { radius_m: a, length_m: long },
+            Geometry::Cylinder { radius_m: b, length_m: also_long },
+        )
+        | (Geometry::Capsule { radius_m: a, length_m: long }, Geometry::Capsule { radius_m: b, length_m: also_long }) => {
+            a == b && long == also_long
+        }
+        (Geometry::Mesh { mesh: a, .. }, Geometry::Mesh { mesh: b, .. }) => Arc::ptr_eq(a, b),
+        _ => false,
     }
 }

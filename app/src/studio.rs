@@ -3,10 +3,12 @@
 use std::sync::Arc;
 
 use endcomfort_core::grasp::ExportFormat;
+use endcomfort_core::handover::Handover;
 use endcomfort_core::job::Output;
-use endcomfort_core::robot::Robot;
+use endcomfort_core::robot::{Link, Robot};
+use endcomfort_core::scene::Obstacle;
 use endcomfort_core::task::{PhaseKind, TARGET, Try};
-use nalgebra::{Isometry3, Point3};
+use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::assets;
 use crate::compose::{Composer, Content, LabContent, MotionContent, Palette, ReachContent, quantity_scale};
@@ -19,6 +21,8 @@ use crate::viewer::{
 
 /// How far from the hand's tool centre point its reason stands, metres.
 const BEHIND_PALM_M: f64 = 0.16;
+/// How far the body of somebody who receives reaches about the frames of its links, metres.
+const BODY_M: f64 = 0.1;
 
 /// Composes pictures from the robots and demos inside the program.
 #[derive(Default)]
@@ -75,7 +79,8 @@ impl Studio for BuiltInStudio {
         let grasps = outputs.candidates();
         // A try shows what stood in the way, and nothing beside it.
         let is_try = input.planning.shown_try.is_some();
-        let under_way = is_try || matches!(input.posture, Posture::Plan { time_s } if time_s > 0.0);
+        let under_way =
+            is_try || input.is_presented || matches!(input.posture, Posture::Plan { time_s } if time_s > 0.0);
         let has_goal = outputs.grasps.as_ref().is_some_and(|g| g.X_WO_goal.is_some());
         let (X_WO_goal, X_WO_between) = goals(input);
         let content = Content {
@@ -110,7 +115,7 @@ impl Studio for BuiltInStudio {
                 scale: lab.scale(),
             });
             let legend = Some(lab.legend(&Palette::of(content.theme)));
-            return Picture { frame, labels: Vec::new(), scale, legend, bounds: lab.bounds() };
+            return Picture { frame, scale, legend, bounds: lab.bounds(), ..Picture::default() };
         }
         if let Some(reach) = content.reach {
             return self.reach_picture(frame, input, &content, &reach);
@@ -122,7 +127,13 @@ impl Studio for BuiltInStudio {
             let scale = Scale { min: per_si * scale.min, max: per_si * scale.max, ..scale };
             ScaleBar { title: content.colored_by.title().to_owned(), unit, scale }
         });
-        Picture { frame, labels: labels(input, &content), scale, legend: None, bounds: Some(workspace(input)) }
+        let object_W = content.X_WO.map(|X_WO| X_WO.translation.vector.into());
+        let bounds = workspace(input);
+        let outline = outline(input, &robot, &bounds);
+        let bounds = Some(bounds);
+        // An audience reads the caption.
+        let labels = if input.is_presented { Vec::new() } else { labels(input, &content) };
+        Picture { frame, labels, scale, legend: None, bounds, outline, object_W }
     }
 }
 
@@ -161,7 +172,8 @@ impl BuiltInStudio {
         };
         let legend = Some(Legend { title: title.to_owned(), rows });
         let bounds = around.filter(|_| input.reaching.is_open).or_else(|| Some(workspace(input)));
-        Picture { frame, labels: labels(input, content), scale: (count > 0).then_some(bar), legend, bounds }
+        let (labels, scale) = (labels(input, content), (count > 0).then_some(bar));
+        Picture { frame, labels, scale, legend, bounds, ..Picture::default() }
     }
 }
 
@@ -180,15 +192,20 @@ fn goals(input: &ComposeInput<'_>) -> (Option<Isometry3<f64>>, Vec<Isometry3<f64
     let Some(found) = &input.outputs.grasps else { return (None, Vec::new()) };
     let task = &input.scene.task;
     let Some(placed) = input.scene.objects.get(task.object) else { return (found.X_WO_goal, Vec::new()) };
-    let moved = |step: &endcomfort_core::scene::Step| {
+    let moved = |X_WO_goal: &Isometry3<f64>| {
         if input.document.cloud.is_some() {
-            let shift = step.X_WO_goal.translation.vector - placed.X_WO.translation.vector;
+            let shift = X_WO_goal.translation.vector - placed.X_WO.translation.vector;
             nalgebra::Translation3::from(shift) * found.X_WO_start
         } else {
-            step.X_WO_goal * placed.X_WO.inverse() * found.X_WO_start
+            X_WO_goal * placed.X_WO.inverse() * found.X_WO_start
         }
     };
-    let mut poses: Vec<Isometry3<f64>> = task.steps.iter().map(moved).collect();
+    let wanted: Vec<Isometry3<f64>> = match input.scene.handover.as_ref().and_then(Handover::agent) {
+        // Somebody else's goal moves with them.
+        Some(agent) => agent.goal.iter().map(|goal| agent.X_WA() * goal.X_AO).collect(),
+        None => task.steps.iter().map(|step| step.X_WO_goal).collect(),
+    };
+    let mut poses: Vec<Isometry3<f64>> = wanted.iter().map(moved).collect();
     let last = poses.pop();
     (if found.revision == input.revision { found.X_WO_goal } else { last }, poses)
 }
@@ -201,6 +218,8 @@ fn motion_content<'a>(input: &ComposeInput<'a>) -> MotionContent<'a> {
         is_stale: is_stale && shown.is_none(),
         ghosts: input.planning.ghosts,
         hovered_route: input.planning.hovered_route,
+        shown_place: input.planning.shown_place,
+        is_presented: input.is_presented,
         kept: input.kept.map_or(&[], |kept| &kept.trail),
         culprits: shown.map_or(&[], |tried| &tried.culprits),
     }
@@ -231,6 +250,21 @@ fn lab_content<'a>(input: &ComposeInput<'a>) -> Option<LabContent<'a>> {
 fn workspace(input: &ComposeInput<'_>) -> Bounds {
     let height_m = input.scene.table.height_m;
     Bounds { min: Point3::new(-0.10, -0.48, height_m - 0.06), max: Point3::new(0.70, 0.48, height_m + 0.72) }
+}
+
+/// Where somebody receives, what has to be seen of both: the corners of the workspace, and points about the receiver.
+fn outline(input: &ComposeInput<'_>, robot: &Robot, workspace: &Bounds) -> Vec<Point3<f64>> {
+    let Some(agent) = input.scene.handover.as_ref().and_then(Handover::agent) else { return Vec::new() };
+    let mut points = workspace.corners().to_vec();
+    let X_WL = robot.posture(&input.scene.posture).map(|q| robot.link_poses(q)).unwrap_or_default();
+    let prefix = format!("{}_", agent.model);
+    let is_seen = |link: &Link| link.name.starts_with(&prefix) && !link.visuals.is_empty();
+    for (_, X_WL) in robot.links.iter().zip(&X_WL).filter(|(link, _)| is_seen(link)) {
+        let p_WL = Point3::from(X_WL.translation.vector);
+        let about = |side: Vector3<f64>| [p_WL - BODY_M * side, p_WL + BODY_M * side];
+        points.extend([Vector3::x(), Vector3::y(), Vector3::z()].into_iter().flat_map(about));
+    }
+    points
 }
 
 /// Joints and object at the moment of the picture.
@@ -336,7 +370,8 @@ fn labels(input: &ComposeInput<'_>, content: &Content<'_>) -> Vec<Label> {
         let Ok(fit) = fit else { continue };
         let is_target = cluster == fits.target;
         let X_WS = if is_target { content.X_WO.unwrap_or(fit.superquadric.X_FS) } else { fit.superquadric.X_FS };
-        let described = input.document.cloud.is_none().then(|| nearest_title(input, &fit.superquadric.X_FS)).flatten();
+        let title = || nearest_title(input, &fit.superquadric.X_FS).or_else(|| task_title(input).filter(|_| is_target));
+        let described = input.document.cloud.is_none().then(title).flatten();
         let placed = input.scene.object_at(&fit.superquadric.X_FS).map(|placed| placed.object.as_str());
         let is_blamed = is_target && content.motion.blames(TARGET)
             || !is_target && content.motion.blames(placed.unwrap_or(&format!("cluster {cluster}")));
@@ -375,8 +410,10 @@ fn culprit_labels(content: &Content<'_>) -> Vec<Label> {
     let X_WL = content.robot.link_poses(content.q);
     let links = content.robot.links.iter().zip(&X_WL);
     let links = links.map(|(link, X_WL)| (link.name.as_str(), Point3::from(X_WL.translation.vector)));
-    let boxes = content.scene.obstacles.iter().map(|obstacle| {
-        let top = obstacle.X_WB.translation.vector + 0.5 * obstacle.size_m.z * nalgebra::Vector3::z();
+    let agent = content.scene.handover.as_ref().and_then(Handover::agent);
+    let furniture: Vec<Obstacle> = agent.iter().flat_map(|agent| agent.furniture_W()).collect();
+    let boxes = content.scene.obstacles.iter().chain(&furniture).map(|obstacle| {
+        let top = obstacle.X_WB.translation.vector + 0.5 * obstacle.size_m.z * Vector3::z();
         (obstacle.name.as_str(), top.into())
     });
     let table = &content.scene.table;
@@ -419,6 +456,12 @@ fn top_of(fit: &endcomfort_core::fit::Fit, X_WS: &Isometry3<f64>) -> Point3<f64>
     let posed = endcomfort_core::superquadric::Superquadric { X_FS: *X_WS, ..fit.superquadric };
     let top = X_WS.translation.z + posed.half_extents().z;
     Point3::new(X_WS.translation.x, X_WS.translation.y, top + 0.015)
+}
+
+/// Title of the described object that the task is about.
+fn task_title(input: &ComposeInput<'_>) -> Option<String> {
+    let placed = input.scene.objects.get(input.scene.task.object)?;
+    Some(assets::library().object(&placed.object).ok()?.title.clone())
 }
 
 /// Title of the described object that stands where a fit is.

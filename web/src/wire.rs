@@ -76,8 +76,8 @@ mod tests {
             rank: Default::default(),
             motion: Default::default(),
             torso: false,
-            hand: None,
             handover: None,
+            hand: None,
         }
     }
 

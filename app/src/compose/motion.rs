@@ -31,6 +31,10 @@ pub struct MotionContent<'a> {
     pub ghosts: usize,
     /// The route that is pointed at.
     pub hovered_route: Option<usize>,
+    /// The place of the handover that is looked at; `None` is the one that is used.
+    pub shown_place: Option<usize>,
+    /// Whether an audience looks on: of a handover the chosen place alone.
+    pub is_presented: bool,
     /// The hand's way of another plan, to compare with.
     pub kept: &'a [Point3<f64>],
     /// Names of what stands in the way in the posture that is shown.
@@ -173,7 +177,7 @@ impl Composer {
     }
 
     /// Bodies of the object in its frame O.
-    fn object_bodies(&mut self, input: &Content<'_>) -> Vec<(Arc<Mesh>, Isometry3<f64>)> {
+    pub(super) fn object_bodies(&mut self, input: &Content<'_>) -> Vec<(Arc<Mesh>, Isometry3<f64>)> {
         let Some(Ok(fit)) = input.fits.and_then(|fits| fits.fits.get(fits.target)) else { return Vec::new() };
         let X_OW = fit.superquadric.X_FS.inverse();
         fit.bodies().map(|body| (self.fit_mesh(body), X_OW * body.X_FS)).collect()

@@ -47,6 +47,14 @@ impl Bounds {
         nalgebra::center(&self.min, &self.max)
     }
 
+    /// The eight corners.
+    pub fn corners(&self) -> [Point3<f64>; 8] {
+        std::array::from_fn(|k| {
+            let at = |axis: usize| if k >> axis & 1 == 0 { self.min[axis] } else { self.max[axis] };
+            Point3::new(at(0), at(1), at(2))
+        })
+    }
+
     /// Half of the diagonal, in metres.
     pub fn radius(&self) -> f64 {
         (self.max - self.min).norm() / 2.0

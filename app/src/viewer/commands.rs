@@ -9,9 +9,10 @@ use endcomfort_core::scene::{ArmChoice, SCENE_VERSION, Scene};
 use endcomfort_core::task::Plan;
 
 use super::goal_drag::GoalDrag;
-use super::state::{IkChoice, Side, StageState, Standing, Step, ThemeChoice};
+use super::state::{IkChoice, Presentation, Side, StageState, Standing, Step, ThemeChoice};
 use super::{
-    Document, GraspCommand, LabCommand, Layer, Overlay, PlanCommand, Playback, ReachCommand, ViewerState, playback,
+    Document, GraspCommand, HandoverCommand, LabCommand, Layer, Overlay, PlanCommand, Playback, ReachCommand,
+    ViewerState, playback,
 };
 use crate::export::MotionFormat;
 
@@ -40,6 +41,8 @@ pub enum Command {
     Reach(ReachCommand),
     /// Grasps another cluster.
     GraspCluster(usize),
+    /// Examines a handover, or asks for another one.
+    Handover(HandoverCommand),
     /// Plans with this grasp, `None` with the first that works.
     PlanWithGrasp(Option<u32>),
     /// Stops the computation.
@@ -76,6 +79,10 @@ pub enum Command {
     NextSpeed,
     /// Whether the end leads back to the start.
     ToggleLoop,
+    /// Whether the camera keeps the object in the middle.
+    ToggleFollow,
+    /// Shows the view alone with captions, or the panels again.
+    Present(bool),
     /// Shows or hides a layer.
     ToggleLayer(Layer),
     /// Sets the opacity of a layer, [0, 1].
@@ -169,6 +176,7 @@ impl ViewerState {
             Command::Grasping(command) => return self.apply_grasping(command),
             Command::Planning(command) => return self.apply_planning(command),
             Command::Reach(command) => return self.apply_reach(command),
+            Command::Handover(command) => return self.apply_handover(command),
             Command::GraspCluster(cluster) => {
                 return self.edit(|document| {
                     document.cluster = Some(cluster);
@@ -247,6 +255,8 @@ impl ViewerState {
                 let next = Playback::SPEEDS.into_iter().find(|&speed| speed > self.playback.speed);
                 self.playback.speed = next.unwrap_or(Playback::SPEEDS[0]);
             }
+            Command::ToggleFollow => self.playback.follows = !self.playback.follows,
+            Command::Present(wanted) => return self.present(wanted),
             Command::ToggleLoop => self.playback.looping = !self.playback.looping,
             Command::ToggleLayer(layer) => {
                 let view = self.layers.get_mut(layer);
@@ -427,6 +437,30 @@ impl ViewerState {
         vec![Effect::Cancel]
     }
 
+    /// Starts the presentation, which plays the plan in a loop, or ends it.
+    fn present(&mut self, wanted: bool) -> Vec<Effect> {
+        match (self.presentation.take(), wanted) {
+            (presentation @ Some(_), true) => {
+                self.presentation = presentation;
+                Vec::new()
+            }
+            (None, false) => Vec::new(),
+            (None, true) => {
+                self.presentation = Some(Presentation { was_looping: self.playback.looping });
+                (self.overlay, self.drawer) = (Overlay::None, None);
+                self.playback.looping = true;
+                let mut effects = self.apply(Command::SetPlaying(true));
+                effects.push(Effect::FrameAll);
+                effects
+            }
+            (Some(Presentation { was_looping }), false) => {
+                self.playback.looping = was_looping;
+                self.playback.playing = false;
+                vec![Effect::FrameAll]
+            }
+        }
+    }
+
     fn seek(&mut self, time_s: f64) {
         if time_s.is_finite() {
             self.playback.time_s = time_s.max(0.0).min(self.duration_s());
@@ -452,6 +486,9 @@ impl ViewerState {
     fn escape(&mut self) -> Vec<Effect> {
         if self.is_dragging_goal() {
             return self.cancel_goal_drag();
+        }
+        if self.presentation.is_some() && self.overlay == Overlay::None {
+            return self.present(false);
         }
         if self.grasping.draws_region {
             self.grasping.draws_region = false;

@@ -45,6 +45,8 @@ pub struct ComposeInput<'a> {
     pub lab: Option<LabKey>,
     /// A fit of another objective, to be drawn over the examined one.
     pub trial: Option<&'a Fit>,
+    /// Whether it is shown to an audience: the plan alone.
+    pub is_presented: bool,
     /// Whether the theme is dark.
     pub dark: bool,
 }
@@ -98,6 +100,7 @@ pub struct ViewKey {
     pub(super) planning: PlanningKey,
     pub(super) reach: ReachKey,
     pub(super) lab: Option<LabKey>,
+    pub(super) is_presented: bool,
     pub(super) dark: bool,
 }
 
@@ -114,6 +117,10 @@ pub struct Picture {
     pub legend: Option<Legend>,
     /// The box that `F` frames; `None` frames whatever is drawn.
     pub bounds: Option<Bounds>,
+    /// Points that `F` brings into the view as near as they allow; without any, the box as a whole.
+    pub outline: Vec<Point3<f64>>,
+    /// Where the object is that the task is about, in the world, metres.
+    pub object_W: Option<Point3<f64>>,
 }
 
 /// A word at a place.

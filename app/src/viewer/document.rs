@@ -63,6 +63,7 @@ impl Document {
         let scene = Arc::make_mut(&mut theirs.scene);
         scene.grasp = self.scene.grasp.clone();
         scene.task.steps = self.scene.task.steps.clone();
+        scene.handover = self.scene.handover.clone();
         (scene.robot, scene.posture) = (self.scene.robot.clone(), self.scene.posture.clone());
         (scene.arm, scene.torso, scene.hand) = (self.scene.arm, self.scene.torso, self.scene.hand.clone());
         if theirs == *self {
@@ -128,6 +129,7 @@ impl History {
 #[cfg(test)]
 mod tests {
     use endcomfort_core::grasp::RankBy;
+    use endcomfort_core::handover::{Handover, PlaceChoice, Receiver};
 
     use super::*;
     use crate::assets;
@@ -145,6 +147,8 @@ mod tests {
         assert_eq!(edited(&|scene| scene.grasp.friction = 0.9), Stage::Grasps);
         assert_eq!(edited(&|scene| scene.task.steps.clear()), Stage::Grasps);
         assert_eq!(edited(&|scene| scene.torso = true), Stage::Grasps);
+        let hand_to_hand = Handover { receiver: Receiver::OtherHand, giver_arm: None, choice: PlaceChoice::default() };
+        assert_eq!(edited(&|scene| scene.handover = Some(hand_to_hand.clone())), Stage::Grasps);
         assert_eq!(edited(&|scene| scene.robot = "alita".to_owned()), Stage::Grasps);
         assert_eq!(edited(&|scene| scene.fit.voxel_m = 0.01), Stage::Fit);
         assert_eq!(edited(&|scene| scene.seed += 1), Stage::Scene);

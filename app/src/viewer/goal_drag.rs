@@ -1,4 +1,4 @@
-//! A goal on its way: while it is dragged the scene changes live, and the pipeline plans again and again.
+//! A goal or a receiver on its way: while it is dragged the scene changes live, and the pipeline plans again and again.
 //!
 //! A new plan is asked for once the last request has been answered, so that the worker is never flooded; answers for
 //! where the goal was a moment ago are shown, as out of date, until the next one. The drag is one step of undo.
@@ -6,13 +6,14 @@
 use std::sync::Arc;
 
 use endcomfort_core::job::{Output, Stage, Update};
+use endcomfort_core::scene::Scene;
 use nalgebra::Isometry3;
 
 use super::state::{StageState, Step};
 use super::{Document, Effect, PlanPage, ViewerState};
 
 /// A goal farther from the robot than this is a slip of the hand, metres.
-const FARTHEST_M: f64 = 3.0;
+pub(super) const FARTHEST_M: f64 = 3.0;
 
 /// The drag of a goal.
 #[derive(Clone, Debug, Default)]
@@ -34,29 +35,46 @@ impl ViewerState {
     /// The step of the task whose goal can be moved in the view; `None` while the view shows something else.
     pub fn goal_step(&self) -> Option<usize> {
         let last = self.document.scene.task.steps.len().checked_sub(1)?;
+        // Of somebody else's goal the task knows nothing.
+        (self.has_gizmo() && self.receiver().is_none()).then_some(self.planning.step.min(last))
+    }
+
+    /// Whether goals and receivers can be moved in the view.
+    pub(super) fn has_gizmo(&self) -> bool {
         let is_open = match self.selection.step {
             Step::Stage(Stage::Scene) => true,
             // Over routes and tries it would lie in the way.
-            Step::Stage(Stage::Plan) => matches!(self.plan_page(), PlanPage::Plan | PlanPage::Task),
+            Step::Stage(Stage::Plan) => {
+                matches!(self.plan_page(), PlanPage::Plan | PlanPage::Task | PlanPage::Handover)
+            }
             _ => false,
         };
-        let is_free = !self.playback.playing && !self.reaching.is_open && self.shown_try().is_none();
-        (is_open && is_free).then_some(self.planning.step.min(last))
+        let is_seen = !self.reaching.is_open && self.presentation.is_none();
+        is_open && is_seen && !self.playback.playing && self.shown_try().is_none()
     }
 
     /// Whether somebody works on the task.
     pub(super) fn edits_task(&self) -> bool {
-        self.is_dragging_goal() || self.selection.step == Step::Stage(Stage::Plan) && self.plan_page() == PlanPage::Task
+        let edits = || matches!(self.plan_page(), PlanPage::Task | PlanPage::Handover);
+        self.is_dragging_goal() || self.selection.step == Step::Stage(Stage::Plan) && edits()
     }
 
-    /// Moves the goal of a step; the first move of a drag is a step of undo.
+    /// Moves the goal of a step.
     pub(super) fn drag_goal(&mut self, step: usize, X_WO_goal: Isometry3<f64>) -> Vec<Effect> {
-        let mut document = self.document.clone();
-        let is_near = X_WO_goal.translation.vector.amax() < FARTHEST_M;
-        let Some(goal) = Arc::make_mut(&mut document.scene).task.steps.get_mut(step).filter(|_| is_near) else {
+        if X_WO_goal.translation.vector.amax() > FARTHEST_M {
             return Vec::new();
-        };
-        goal.X_WO_goal = X_WO_goal;
+        }
+        self.drag(|scene| {
+            if let Some(step) = scene.task.steps.get_mut(step) {
+                step.X_WO_goal = X_WO_goal;
+            }
+        })
+    }
+
+    /// Changes the scene while something is dragged; the first change of a drag is a step of undo.
+    pub(super) fn drag(&mut self, change: impl FnOnce(&mut Scene)) -> Vec<Effect> {
+        let mut document = self.document.clone();
+        change(Arc::make_mut(&mut document.scene));
         if document == self.document {
             return Vec::new();
         }
@@ -105,7 +123,7 @@ impl ViewerState {
         if self.planning.drag.asked != Some(revision) {
             return;
         }
-        // A drag changes the goal alone, so what comes before the grasps holds for any later moment too.
+        // A drag changes the goal or the receiver alone, so what comes before the grasps holds for any later moment too.
         let is_lasting = matches!(*output, Output::Scene(_) | Output::Segment(_) | Output::Fit(_));
         let dated = if is_lasting { self.revision } else { revision };
         let stage = self.outputs.put(dated, *output);

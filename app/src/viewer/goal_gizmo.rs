@@ -1,4 +1,5 @@
-//! Moving a goal in the view: its middle moves it over the table, its ring turns it, its arrow lifts it.
+//! Moving a goal in the view: its middle moves it over the table, its ring turns it, its arrow lifts it. The same gizmo
+//! without an arrow moves a receiver over the floor.
 //!
 //! The gizmo has the same size on the screen from near and far.
 
@@ -6,7 +7,7 @@ use egui::{Align2, Color32, CursorIcon, Pos2, Rect, Response, Role, Sense, Strok
 use nalgebra::{Isometry3, Point2, Point3, UnitQuaternion, Vector3};
 
 use super::theme::{SECONDARY, Tokens, font};
-use super::{Command, PlanCommand, ViewerState};
+use super::{Command, HandoverCommand, PlanCommand, ViewerState};
 use crate::render::{Camera, Ray};
 
 /// Radius of the ring, points.
@@ -33,6 +34,29 @@ enum Handle {
     Arrow,
 }
 
+/// What the gizmo moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Subject {
+    /// The goal of a step.
+    Goal(usize),
+    /// Who receives the object.
+    Receiver,
+}
+
+impl Subject {
+    fn has_arrow(self) -> bool {
+        matches!(self, Self::Goal(_))
+    }
+
+    /// `the goal of step 2`
+    fn words(self) -> String {
+        match self {
+            Self::Goal(step) => format!("the goal of step {}", step + 1),
+            Self::Receiver => "the receiver".to_owned(),
+        }
+    }
+}
+
 /// The gizmo and what is held of it.
 #[derive(Default)]
 pub(super) struct GoalGizmo {
@@ -42,8 +66,8 @@ pub(super) struct GoalGizmo {
 
 struct Held {
     handle: Handle,
-    step: usize,
-    /// The goal when it was taken up.
+    subject: Subject,
+    /// Where the subject was when it was taken up.
     X_WO: Isometry3<f64>,
     /// Where the pointer took hold: a point at its height, or on the vertical through it.
     from: Point3<f64>,
@@ -57,7 +81,7 @@ struct Placed {
     ring: Vec<Pos2>,
     /// Where the object's x axis points, on the ring.
     knob: Pos2,
-    arrow: [Pos2; 2],
+    arrow: Option<[Pos2; 2]>,
 }
 
 /// The picture: its rectangle and how it was taken.
@@ -84,7 +108,7 @@ impl Shot<'_> {
 }
 
 impl Placed {
-    fn new(shot: Shot<'_>, X_WO: &Isometry3<f64>) -> Option<Self> {
+    fn new(shot: Shot<'_>, subject: Subject, X_WO: &Isometry3<f64>) -> Option<Self> {
         let p_WO = Point3::from(X_WO.translation.vector);
         let m_per_point = shot.camera.m_per_px(&p_WO, shot.size());
         let on_ring = |angle: f64| {
@@ -98,7 +122,7 @@ impl Placed {
             middle: shot.project(&p_WO)?,
             ring: (0..=CORNERS).map(corner).collect::<Option<_>>()?,
             knob: on_ring(X_WO.rotation.euler_angles().2)?,
-            arrow: [up(ARROW_FOOT)?, up(1.0)?],
+            arrow: if subject.has_arrow() { Some([up(ARROW_FOOT)?, up(1.0)?]) } else { None },
         })
     }
 
@@ -106,8 +130,8 @@ impl Placed {
     fn hit(&self, at: Pos2) -> Option<Handle> {
         let near = |from: Pos2, to: Pos2| distance(at, from, to) < NEAR;
         // Seen from above, the arrow is a dot in the middle.
-        let has_arrow = (self.arrow[1] - self.arrow[0]).length() > 2.0 * NEAR;
-        if has_arrow && near(self.arrow[0], self.arrow[1]) {
+        let arrow = self.arrow.filter(|[foot, head]| (*head - *foot).length() > 2.0 * NEAR);
+        if arrow.is_some_and(|[foot, head]| near(foot, head)) {
             Some(Handle::Arrow)
         } else if (at - self.middle).length() < MIDDLE {
             Some(Handle::Middle)
@@ -168,17 +192,17 @@ impl GoalGizmo {
     /// Follows the pointer over the view.
     pub(super) fn follow(&mut self, ui: &Ui, view: &Response, shot: Shot<'_>, state: &ViewerState) -> Vec<Command> {
         let mut commands = Vec::new();
-        let Some((step, X_WO)) = goal(state) else {
+        let Some((subject, X_WO)) = subject(state) else {
             *self = Self::default();
             return commands;
         };
-        let placed = Placed::new(shot, &X_WO);
+        let placed = Placed::new(shot, subject, &X_WO);
         let pointer = view.hover_pos().or(view.interact_pointer_pos());
         self.hovered = placed.as_ref().zip(pointer).and_then(|(placed, at)| placed.hit(at));
         let (pressed, down) = ui.input(|input| (input.pointer.primary_pressed(), input.pointer.primary_down()));
         if let (true, Some(handle), Some(at)) = (pressed && self.held.is_none(), self.hovered, pointer) {
             let from = taken_at(handle, &X_WO, &shot.ray(at));
-            self.held = from.map(|from| Held { handle, step, X_WO, from, has_moved: false });
+            self.held = from.map(|from| Held { handle, subject, X_WO, from, has_moved: false });
         }
         let Some(held) = &mut self.held else { return commands };
         if held.has_moved && !state.is_dragging_goal() {
@@ -188,24 +212,27 @@ impl GoalGizmo {
         }
         if !down {
             if held.has_moved {
-                commands.push(Command::Planning(PlanCommand::EndDrag));
+                commands.push(match held.subject {
+                    Subject::Goal(_) => Command::Planning(PlanCommand::EndDrag),
+                    Subject::Receiver => Command::Handover(HandoverCommand::EndDrag),
+                });
             }
             self.held = None;
             return commands;
         }
         let at = ui.input(|input| input.pointer.latest_pos());
         let to = at.and_then(|at| moved(held.handle, &held.X_WO, &held.from, &shot.ray(at)));
-        if let Some(X_WO_goal) = to.filter(|to| differs(to, &X_WO)) {
+        if let Some(to) = to.filter(|to| differs(to, &X_WO)) {
             held.has_moved = true;
-            commands.push(Command::Planning(PlanCommand::DragGoal { step: held.step, X_WO_goal }));
+            commands.extend(drag(held.subject, to, state));
         }
         commands
     }
 
     /// Draws it over the picture.
     pub(super) fn paint(&self, ui: &Ui, shot: Shot<'_>, state: &ViewerState) {
-        let Some((step, X_WO)) = goal(state) else { return };
-        let Some(placed) = Placed::new(shot, &X_WO) else { return };
+        let Some((subject, X_WO)) = subject(state) else { return };
+        let Some(placed) = Placed::new(shot, subject, &X_WO) else { return };
         let tokens = Tokens::of(ui);
         let lit = self.held.as_ref().map(|held| held.handle).or(self.hovered);
         // Not in the colour of goals: the path ends here in that one.
@@ -219,32 +246,52 @@ impl GoalGizmo {
                 if behind { edge(width(handle)) } else { Stroke::new(width(handle), ink(handle)) }
             };
             painter.add(egui::Shape::line(placed.ring.clone(), stroke(Handle::Ring)));
-            painter.line_segment(placed.arrow, stroke(Handle::Arrow));
+            if let Some(arrow) = placed.arrow {
+                painter.line_segment(arrow, stroke(Handle::Arrow));
+            }
         }
         let knob = ink(Handle::Ring);
         painter.circle(placed.knob, 5.5, knob, Stroke::new(1.5, tokens.view_edge));
-        arrow_head(ui, placed.arrow, ink(Handle::Arrow));
+        if let Some(arrow) = placed.arrow {
+            arrow_head(ui, arrow, ink(Handle::Arrow));
+        }
         let fill = tokens.amber.gamma_multiply(0.75);
         painter.circle(placed.middle, 8.0, fill, Stroke::new(width(Handle::Middle), ink(Handle::Middle)));
         painter.circle_filled(placed.middle, 2.5, ink(Handle::Middle));
-        for (name, at) in [("Move", placed.middle), ("Turn", placed.knob), ("Lift", placed.arrow[1])] {
+        let head = placed.arrow.map(|[_, head]| ("Lift", head));
+        for (name, at) in [("Move", placed.middle), ("Turn", placed.knob)].into_iter().chain(head) {
             let rect = Rect::from_center_size(at, vec2(20.0, 20.0));
             let response = ui.interact(rect, ui.scope_id().with(("goal", name)), Sense::empty());
-            response.widget_info(|| {
-                WidgetInfo::labeled(Role::Label, true, format!("{name} the goal of step {}", step + 1))
-            });
+            response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{name} {}", subject.words())));
         }
         if let Some(handle) = lit {
             ui.ctx().set_cursor_icon(if self.held.is_some() { CursorIcon::Grabbing } else { CursorIcon::Grab });
-            tell(ui, placed.arrow[1] - vec2(0.0, 20.0), &said(handle, &placed.X_WO));
+            let above = placed.arrow.map_or(placed.middle - vec2(0.0, RING as f32), |[_, head]| head);
+            tell(ui, above - vec2(0.0, 20.0), &said(handle, &placed.X_WO));
         }
     }
 }
 
-/// The step and its goal that can be moved.
-fn goal(state: &ViewerState) -> Option<(usize, Isometry3<f64>)> {
+/// What can be moved, and where it is: a receiver, on the floor below it, or the goal of a step.
+fn subject(state: &ViewerState) -> Option<(Subject, Isometry3<f64>)> {
+    if let Some(agent) = state.movable_receiver() {
+        return Some((Subject::Receiver, agent.X_WA()));
+    }
     let step = state.goal_step()?;
-    Some((step, state.scene().task.steps.get(step)?.X_WO_goal))
+    Some((Subject::Goal(step), state.scene().task.steps.get(step)?.X_WO_goal))
+}
+
+/// Moves it there.
+fn drag(subject: Subject, to: Isometry3<f64>, state: &ViewerState) -> Option<Command> {
+    Some(match subject {
+        Subject::Goal(step) => Command::Planning(PlanCommand::DragGoal { step, X_WO_goal: to }),
+        Subject::Receiver => {
+            let mut agent = state.receiver()?.clone();
+            agent.position_m = [to.translation.x, to.translation.y];
+            agent.yaw_rad = to.rotation.euler_angles().2;
+            Command::Handover(HandoverCommand::DragReceiver(Box::new(agent)))
+        }
+    })
 }
 
 /// Whether two poses are told apart: a tenth of a millimetre, or of a milliradian.
@@ -304,9 +351,9 @@ mod tests {
         // Not exactly: in perspective a ring is a little larger on its near side.
         let size = |distance_m: f64| {
             let camera = camera(distance_m);
-            let placed = Placed::new(shot(&camera), &goal()).unwrap();
+            let placed = Placed::new(shot(&camera), Subject::Goal(0), &goal()).unwrap();
             let width = placed.ring.iter().map(|at| (at.x - placed.middle.x).abs()).fold(0.0, f32::max);
-            [width, (placed.arrow[1] - placed.middle).length()]
+            [width, (placed.arrow.unwrap()[1] - placed.middle).length()]
         };
         for (near, far) in size(1.0).into_iter().zip(size(4.0)) {
             assert!((near / far - 1.0).abs() < 0.15, "{near} against {far} points");
@@ -339,10 +386,13 @@ mod tests {
     #[test]
     fn the_pointer_finds_each_handle_and_nothing_between_them() {
         let camera = camera(1.6);
-        let placed = Placed::new(shot(&camera), &goal()).unwrap();
+        let placed = Placed::new(shot(&camera), Subject::Goal(0), &goal()).unwrap();
         assert_eq!(placed.hit(placed.middle), Some(Handle::Middle));
         assert_eq!(placed.hit(placed.knob), Some(Handle::Ring));
-        assert_eq!(placed.hit(placed.arrow[1]), Some(Handle::Arrow));
+        let [_, head] = placed.arrow.unwrap();
+        assert_eq!(placed.hit(head), Some(Handle::Arrow));
+        let on_floor = Placed::new(shot(&camera), Subject::Receiver, &goal()).unwrap();
+        assert_eq!(on_floor.hit(head), None, "nobody lifts a receiver");
         let between = placed.middle + 0.6 * (placed.knob - placed.middle);
         assert_eq!(placed.hit(between), None);
     }

@@ -32,6 +32,8 @@ pub(super) enum Icon {
     File,
     Save,
     Sliders,
+    Follow,
+    Present,
 }
 
 /// Draws an icon in a square of `size` points around `centre`.
@@ -150,6 +152,18 @@ pub(super) fn paint(painter: &Painter, icon: Icon, centre: Pos2, size: f32, colo
                 pen.line(&[(2.0, y), (14.0, y)]);
                 pen.disc((x, y), 2.1);
             }
+        }
+        Icon::Follow => {
+            pen.ring((8.0, 8.0), 4.4);
+            pen.disc((8.0, 8.0), 1.6);
+            for (x, y) in [(1.0_f32, 0.0_f32), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
+                pen.line(&[(8.0 + 4.4 * x, 8.0 + 4.4 * y), (8.0 + 6.8 * x, 8.0 + 6.8 * y)]);
+            }
+        }
+        Icon::Present => {
+            pen.closed(&[(1.8, 2.6), (14.2, 2.6), (14.2, 10.8), (1.8, 10.8)]);
+            pen.line(&[(8.0, 10.8), (8.0, 13.6)]);
+            pen.line(&[(4.6, 13.8), (11.4, 13.8)]);
         }
         Icon::File => {
             pen.closed(&[(3.5, 1.8), (9.5, 1.8), (12.5, 4.8), (12.5, 14.2), (3.5, 14.2)]);

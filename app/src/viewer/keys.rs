@@ -8,13 +8,15 @@ use super::state::Step;
 use super::{Command, LabCommand, NamedView, Overlay, ReachCommand, ViewerState};
 
 /// What the help overlay lists: key, what it does.
-pub(super) const LIST: [(&str, &str); 17] = [
+pub(super) const LIST: [(&str, &str); 19] = [
     ("Space", "Play or pause"),
     ("Left  Right", "Back or forth by 0.1 s"),
     (",  .", "Back or forth by one sample"),
     ("Home  End", "Start or end of the plan"),
     ("Up  Down", "Select the grasp above or below"),
     ("F", "Frame everything"),
+    ("O", "The camera follows the object"),
+    ("P", "Presentation without panels"),
     ("V", "Fit step: as a body, by lines, by error"),
     ("R", "What the arms reach"),
     ("1  3  7", "Look from the front, the side, above"),
@@ -68,6 +70,8 @@ pub(super) fn commands(ctx: &Context, state: &ViewerState) -> Vec<Command> {
             (Key::ArrowUp, Command::MoveSelection(-1)),
             (Key::ArrowDown, Command::MoveSelection(1)),
             (Key::F, Command::FrameAll),
+            (Key::O, Command::ToggleFollow),
+            (Key::P, Command::Present(state.presentation.is_none())),
             (Key::Num1, Command::Look(NamedView::Front)),
             (Key::Num3, Command::Look(NamedView::Side)),
             (Key::Num7, Command::Look(NamedView::Top)),

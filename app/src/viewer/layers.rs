@@ -8,6 +8,7 @@ pub enum Layer {
     Clusters,
     Fits,
     Goal,
+    Handover,
     Grasps,
     Rejected,
     Contacts,
@@ -20,12 +21,13 @@ pub enum Layer {
 
 impl Layer {
     /// All layers in the order of the list.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Robot,
         Self::Cloud,
         Self::Clusters,
         Self::Fits,
         Self::Goal,
+        Self::Handover,
         Self::Grasps,
         Self::Rejected,
         Self::Contacts,
@@ -52,6 +54,7 @@ impl Layer {
             Self::Ghosts => "Ghost poses",
             Self::Swept => "Swept volume",
             Self::Reach => "Reachability",
+            Self::Handover => "Handover",
         }
     }
 }

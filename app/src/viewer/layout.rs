@@ -2,6 +2,7 @@
 
 use egui::{Rect, pos2, vec2};
 
+use super::ViewerState;
 use super::state::Side;
 use super::theme::MARGIN;
 
@@ -11,6 +12,8 @@ pub(super) const NARROW: f32 = 900.0;
 const PHONE: f32 = 560.0;
 const TOP_BAR: f32 = 44.0;
 const TIMELINE: f32 = 122.0;
+/// Caption and line of a presentation.
+const CAPTION: f32 = 104.0;
 
 /// The rectangles of one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,6 +54,23 @@ impl Layout {
             free: Rect::from_min_max(pos2(free_x0, top.bottom()), pos2(free_x1, timeline.top())),
             is_narrow,
             is_phone: window.width() < PHONE,
+        }
+    }
+
+    /// The rectangles of a state: those of the panels, or those of the presentation without them.
+    pub(super) fn of(window: Rect, state: &ViewerState) -> Self {
+        if state.presentation.is_none() {
+            return Self::new(window, state.drawer);
+        }
+        let inner = window.shrink(MARGIN);
+        let timeline = Rect::from_min_max(pos2(inner.left(), inner.bottom() - CAPTION), inner.max);
+        Self {
+            top: Rect::from_min_size(inner.min, vec2(inner.width(), TOP_BAR)),
+            left: None,
+            right: None,
+            timeline,
+            free: Rect::from_min_max(window.min, pos2(window.right(), timeline.top())),
+            ..Self::new(window, None)
         }
     }
 

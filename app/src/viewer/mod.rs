@@ -7,6 +7,7 @@
 #![allow(non_snake_case, reason = "frame letters: X_WO is the pose of O in W")]
 
 mod app;
+mod captions;
 mod commands;
 mod compose_input;
 mod document;
@@ -16,6 +17,7 @@ mod format;
 mod goal_drag;
 mod goal_gizmo;
 mod grasping;
+mod handing;
 mod icons;
 mod joint_curves;
 mod keys;
@@ -51,6 +53,7 @@ pub use compose_input::{ComposeInput, Label, Legend, LegendRow, Mark, Picture, P
 pub use document::Document;
 pub use format::count;
 pub use grasping::{GraspCommand, GraspPage, Grasping, GraspingKey};
+pub use handing::HandoverCommand;
 pub use joint_curves::Curve;
 pub use lab::{Comparison, FitView, Lab, LabCommand, LabKey, LabPage, objective_title};
 pub use layers::{Layer, LayerView, Layers};
@@ -64,7 +67,8 @@ pub use quantities::unit as unit_of;
 pub use reach::{MapSource, ReachCommand, ReachKey, ReachPage, Reaching, ShownMap, Slot, VoxelChoice};
 pub use reach_view::{Keep, ReachArms, ReachQuantity, ReachView, Slice};
 pub use state::{
-    Hover, IkChoice, Message, Overlay, Selection, Side, Situation, StageState, Step, ThemeChoice, ViewerState,
+    Hover, IkChoice, Message, Overlay, Presentation, Selection, Side, Situation, StageState, Step, ThemeChoice,
+    ViewerState,
 };
 pub use studio::{Demo, RobotChoice, Studio};
 pub use table_view::{Column, ColumnSet, Listed, TableView};

@@ -11,6 +11,8 @@ pub enum Pick {
     Cluster(u32),
     /// The grasp of this number.
     Grasp(u32),
+    /// The place of the handover of this index.
+    Place(u32),
     /// A part of the composite object that is grasped.
     Part {
         /// Its cluster.
@@ -50,6 +52,7 @@ impl Pick {
                 pack(5, arm << Self::ARM_SHIFT | voxel)
             }
             Self::Voxel { .. } => 0,
+            Self::Place(index) => pack(6, index),
         }
     }
 
@@ -62,6 +65,7 @@ impl Pick {
             3 => Self::Grasp(index),
             4 => Self::Part { cluster: index & ((1 << Self::PART_SHIFT) - 1), part: index >> Self::PART_SHIFT },
             5 => Self::Voxel { arm: index >> Self::ARM_SHIFT, voxel: index & ((1 << Self::ARM_SHIFT) - 1) },
+            6 => Self::Place(index),
             _ => Self::Nothing,
         }
     }
@@ -73,7 +77,15 @@ mod tests {
 
     #[test]
     fn every_pick_survives_the_way_through_the_renderer() {
-        for pick in [Pick::Nothing, Pick::Robot, Pick::Cluster(0), Pick::Cluster(7), Pick::Grasp(0), Pick::Grasp(411)] {
+        for pick in [
+            Pick::Nothing,
+            Pick::Robot,
+            Pick::Cluster(0),
+            Pick::Cluster(7),
+            Pick::Grasp(0),
+            Pick::Grasp(411),
+            Pick::Place(23),
+        ] {
             assert_eq!(Pick::from_id(pick.id()), pick);
         }
         let part = Pick::Part { cluster: 3, part: 5 };

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use endcomfort_core::handover::{Handover, Receiver};
 use endcomfort_core::job::Stage;
 use endcomfort_core::scene::{Scene, Step as TaskStep};
 use endcomfort_core::task::{MotionSettings, Planner, Try};
@@ -63,6 +64,8 @@ pub enum PlanPage {
     Tried,
     /// Routes of the hand.
     Routes,
+    /// Who gives and takes where, and what else could have been.
+    Handover,
     /// What the robot shall do.
     Task,
     /// How the robot moves.
@@ -76,6 +79,18 @@ impl PlanPage {
     pub const REFUSED: [Self; 3] = [Self::Tried, Self::Task, Self::Settings];
     /// The pages while there is no plan yet.
     pub const WITHOUT: [Self; 2] = [Self::Task, Self::Settings];
+    /// The pages of a handover to the other hand: with a plan, refused, without.
+    const HAND_TO_HAND: [&'static [Self]; 3] = [
+        &[Self::Plan, Self::Handover, Self::Tried, Self::Task, Self::Settings],
+        &[Self::Tried, Self::Handover, Self::Task, Self::Settings],
+        &[Self::Handover, Self::Task, Self::Settings],
+    ];
+    /// Of one to somebody else, whose goal is the receiver's.
+    const TO_AGENT: [&'static [Self]; 3] = [
+        &[Self::Plan, Self::Handover, Self::Tried, Self::Settings],
+        &[Self::Tried, Self::Handover, Self::Settings],
+        &[Self::Handover, Self::Settings],
+    ];
 
     /// What a person reads.
     pub fn title(self) -> &'static str {
@@ -83,6 +98,7 @@ impl PlanPage {
             Self::Plan => "Plan",
             Self::Tried => "Tried",
             Self::Routes => "Routes",
+            Self::Handover => "Handover",
             Self::Task => "Task",
             Self::Settings => "Settings",
         }
@@ -134,6 +150,10 @@ pub struct Planning {
     pub selected_try: Option<usize>,
     /// The route whose row is under the pointer.
     pub hovered_route: Option<usize>,
+    /// The place of the handover that is pointed at, and the one that stays shown while none is.
+    pub hovered_place: Option<usize>,
+    /// See [`Planning::hovered_place`].
+    pub selected_place: Option<usize>,
     /// The step of the task that is edited.
     pub step: usize,
     /// The plan that others are compared with.
@@ -155,6 +175,8 @@ impl Default for Planning {
             hovered_try: None,
             selected_try: None,
             hovered_route: None,
+            hovered_place: None,
+            selected_place: None,
             step: 0,
             kept: None,
             measures: None,
@@ -173,6 +195,8 @@ pub struct PlanningKey {
     pub shown_try: Option<usize>,
     /// The route that is pointed at.
     pub hovered_route: Option<usize>,
+    /// The place of the handover that is looked at instead of the chosen one.
+    pub shown_place: Option<usize>,
     /// Number of the kept plan.
     pub kept: Option<u64>,
     /// The step of the task whose goal can be moved.
@@ -204,10 +228,15 @@ impl ViewerState {
 
     /// The pages that there are at the step Plan.
     pub fn plan_pages(&self) -> &'static [PlanPage] {
-        match (self.stage(Stage::Plan), &self.outputs.plan) {
-            (StageState::Refused(_), _) => &PlanPage::REFUSED,
-            (_, Some(_)) => &PlanPage::ALL,
-            (_, None) => &PlanPage::WITHOUT,
+        let place = match (self.stage(Stage::Plan), &self.outputs.plan) {
+            (StageState::Refused(_), _) => 1,
+            (_, Some(_)) => 0,
+            (_, None) => 2,
+        };
+        match &self.document.scene.handover {
+            None => [&PlanPage::ALL[..], &PlanPage::REFUSED, &PlanPage::WITHOUT][place],
+            Some(Handover { receiver: Receiver::OtherHand, .. }) => PlanPage::HAND_TO_HAND[place],
+            Some(Handover { receiver: Receiver::Agent(_), .. }) => PlanPage::TO_AGENT[place],
         }
     }
 
@@ -217,6 +246,7 @@ impl ViewerState {
             ghosts: self.planning.ghosts,
             shown_try: self.shown_try(),
             hovered_route: self.planning.hovered_route,
+            shown_place: self.shown_place(),
             kept: self.planning.kept.as_ref().map(|kept| kept.number),
             goal_step: self.goal_step(),
         }
@@ -262,7 +292,7 @@ impl ViewerState {
 
     /// Measures the plan that has come to stand.
     pub(super) fn plan_stands(&mut self) {
-        self.planning.selected_try = None;
+        (self.planning.selected_try, self.planning.selected_place) = (None, None);
         let robot = assets::library().robot_of(&self.document.scene).ok();
         self.planning.measures = match (&self.outputs.plan, robot) {
             (Some(plan), Some(robot)) if plan.q_start.len() == robot.dof_count() => {

@@ -13,11 +13,13 @@ pub struct Playback {
     pub speed: f64,
     /// Whether the end leads back to the start.
     pub looping: bool,
+    /// Whether the camera keeps the object in the middle.
+    pub follows: bool,
 }
 
 impl Default for Playback {
     fn default() -> Self {
-        Self { time_s: 0.0, playing: false, speed: 1.0, looping: false }
+        Self { time_s: 0.0, playing: false, speed: 1.0, looping: false, follows: false }
     }
 }
 

@@ -43,6 +43,8 @@ pub struct ViewerState {
     pub reaching: Reaching,
     /// What covers the page.
     pub overlay: Overlay,
+    /// The presentation without panels, while it runs.
+    pub presentation: Option<Presentation>,
     /// In a narrow window, the side panel that is open.
     pub drawer: Option<Side>,
     /// What the person has to be told, oldest first.
@@ -178,6 +180,13 @@ pub enum Overlay {
     Help,
 }
 
+/// The view alone, with captions; what it changed is put back at its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Presentation {
+    /// Whether the plan was played in a loop before.
+    pub(super) was_looping: bool,
+}
+
 /// A side panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
@@ -231,6 +240,7 @@ impl ViewerState {
             lab: Lab::default(),
             reaching: Reaching::default(),
             overlay: Overlay::None,
+            presentation: None,
             drawer: None,
             messages: Vec::new(),
             demos,
@@ -346,6 +356,7 @@ impl ViewerState {
             kept: self.planning.kept.as_ref(),
             reaching: &self.reaching,
             lab,
+            is_presented: self.presentation.is_some(),
             trial: lab.and_then(|lab| self.comparison()?.fit(lab.objective?)),
             dark,
         }
@@ -364,6 +375,7 @@ impl ViewerState {
             planning: self.planning_key(),
             reach: self.reaching.key(),
             lab: self.lab_key(),
+            is_presented: self.presentation.is_some(),
             dark,
         }
     }

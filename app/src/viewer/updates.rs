@@ -101,7 +101,7 @@ impl ViewerState {
                 self.selection.grasp = self.outputs.plan.as_ref().map(|plan| plan.grasp().id);
                 self.selection.ik = None;
                 // Behind the gallery something shall move.
-                self.playback.playing = self.overlay == Overlay::Gallery;
+                self.playback.playing = self.overlay == Overlay::Gallery || self.presentation.is_some();
                 self.playback.looping |= self.playback.playing;
                 vec![Effect::Announce(format!("{}: the plan is ready.", self.document.scene.title))]
             }

@@ -12,7 +12,8 @@ use super::layout::Layout;
 use super::region_drag::RegionDrag;
 use super::theme::{SECONDARY, Tokens, font};
 use super::{
-    Command, GraspCommand, NamedView, Pick, Picture, ReachCommand, Studio, Tone, ViewKey, ViewerState, legends,
+    Command, GraspCommand, HandoverCommand, NamedView, Pick, Picture, ReachCommand, Studio, Tone, ViewKey, ViewerState,
+    legends,
 };
 use crate::render::{Bounds, BoundsCache, Camera, Named, Picker, Quality, Renderer, Target, Theme, View};
 
@@ -22,6 +23,14 @@ const TURN: f64 = std::f64::consts::PI / 600.0;
 const SETTLE_S: f64 = 0.2;
 /// How long the camera travels to a named view, seconds.
 const TRAVEL_S: f64 = 0.35;
+
+/// The camera closes most of the distance to a followed object in this time, seconds.
+const FOLLOW_S: f64 = 0.35;
+/// As near as this it has arrived, metres.
+const FOLLOWED_M: f64 = 5e-4;
+
+/// Share of the free part of the view that a whole scene fills.
+const FILLED: f64 = 0.90;
 
 /// An examined fit is seen from beside its sensor: what was measured, and how it goes on where nothing was.
 const BESIDE_SENSOR_RAD: f64 = 0.75;
@@ -66,6 +75,23 @@ struct Travel {
     from: Camera,
     to: Camera,
     passed_s: f64,
+}
+
+/// Brings the camera so near that points fill a picture, their outline in the middle.
+fn fill(camera: &mut Camera, points: &[Point3<f64>], size: [f64; 2]) {
+    // In perspective each step leaves an error, smaller than the one before.
+    for _ in 0..6 {
+        let seen: Vec<_> = points.iter().filter_map(|point| camera.project(point, size)).collect();
+        let Some((mut low, mut high)) = seen.first().map(|at| (at.coords, at.coords)) else { return };
+        for at in &seen {
+            (low, high) = (low.inf(&at.coords), high.sup(&at.coords));
+        }
+        let m_per_px = camera.m_per_px(&camera.target, size);
+        let middle = 0.5 * (low + high) - nalgebra::Vector2::new(0.5 * size[0], 0.5 * size[1]);
+        camera.target += m_per_px * (middle.x * camera.right() - middle.y * camera.up());
+        let share = ((high.x - low.x) / size[0]).max((high.y - low.y) / size[1]);
+        camera.distance_m *= (share / FILLED).max(0.5).min(2.0);
+    }
 }
 
 /// Where the cloud was seen from.
@@ -137,7 +163,7 @@ impl View3d {
 
     /// Draws the view under the panels and gives what the person did in it.
     pub(super) fn show(&mut self, ui: &mut Ui, state: &ViewerState, studio: &mut dyn Studio) -> Vec<Command> {
-        let layout = Layout::new(ui.max_rect(), state.drawer);
+        let layout = Layout::of(ui.max_rect(), state);
         let rect = layout.picture();
         let response = ui.interact(layout.window, ui.scope_id().with("View"), Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "3D view"));
@@ -150,12 +176,13 @@ impl View3d {
         }
         self.go_to_lab(state);
         if self.wants_frame {
-            self.frame_picture(&layout, rect);
+            self.frame_picture(&layout, rect, state.presentation.is_some());
         }
         let shot = Shot { rect, camera: &self.camera };
         let mut commands = self.gizmo.follow(ui, &response, shot, state);
         self.handle(ui, &response, rect, state, &mut commands);
         self.travel_on(ui);
+        self.follow_object(ui, state);
         let pixels_per_point = ui.pixels_per_point();
         let size_px = [rect.width(), rect.height()].map(|side| (side * pixels_per_point).round().max(1.0) as u32);
         let theme = if dark { Theme::Dark } else { Theme::Light };
@@ -181,6 +208,9 @@ impl View3d {
             commands.extend(self.region.follow(ui, &response, rect, &self.camera, state));
         } else {
             self.region = RegionDrag::default();
+        }
+        if state.presentation.is_some() {
+            return commands;
         }
         if let Some(legend) = &self.picture.legend {
             legends::legend(ui, &layout, legend);
@@ -208,7 +238,9 @@ impl View3d {
     }
 
     /// Brings the picture's bounds into the part of the view that the panels leave free.
-    fn frame_picture(&mut self, layout: &Layout, rect: Rect) {
+    ///
+    /// * `is_alone`: no panel is in the way, so that the box may fill that part.
+    fn frame_picture(&mut self, layout: &Layout, rect: Rect, is_alone: bool) {
         let everything = || Bounds::of_frame(&self.picture.frame, &mut self.bounds);
         let Some(bounds) = self.picture.bounds.or_else(everything) else { return };
         let free = layout.free.size().max(Vec2::splat(1.0));
@@ -219,6 +251,10 @@ impl View3d {
             to.pitch_rad = LAB_PITCH_RAD;
         }
         to.frame(&bounds, [f64::from(free.x), f64::from(free.y)]);
+        let outline = &self.picture.outline;
+        let corners = bounds.corners();
+        let points = if outline.is_empty() && is_alone { corners.as_slice() } else { outline.as_slice() };
+        fill(&mut to, points, [f64::from(free.x), f64::from(free.y)]);
         // The camera's field of view spans the whole picture, of which the free part is only a piece.
         to.distance_m *= f64::from(rect.height() / free.y);
         self.wants_frame = false;
@@ -260,6 +296,18 @@ impl View3d {
             self.travel = None;
         }
         ui.ctx().request_repaint();
+    }
+
+    /// The camera turns to where the object is, smoothly, unless a hand is on it.
+    fn follow_object(&mut self, ui: &Ui, state: &ViewerState) {
+        let is_free = state.playback.follows && self.travel.is_none() && self.anchor.is_none();
+        let Some(p_W) = self.picture.object_W.filter(|_| is_free) else { return };
+        let away = p_W - self.camera.target;
+        if away.norm() > FOLLOWED_M {
+            let dt_s = f64::from(ui.input(|input| input.stable_dt)).min(0.1);
+            self.camera.target += away * (1.0 - (-dt_s / FOLLOW_S).exp());
+            ui.ctx().request_repaint();
+        }
     }
 
     /// Turning, moving, zooming, pointing and clicking.
@@ -328,8 +376,12 @@ impl View3d {
         let grasp = if let Pick::Grasp(id) = pick { Some(id) } else { None };
         let cluster = match pick {
             Pick::Cluster(cluster) | Pick::Part { cluster, .. } => Some(cluster as usize),
-            Pick::Grasp(_) | Pick::Voxel { .. } | Pick::Robot | Pick::Nothing => None,
+            Pick::Grasp(_) | Pick::Place(_) | Pick::Voxel { .. } | Pick::Robot | Pick::Nothing => None,
         };
+        let place = if let Pick::Place(index) = pick { Some(index as usize) } else { None };
+        if state.planning.hovered_place != place {
+            commands.push(Command::Handover(HandoverCommand::HoverPlace(place)));
+        }
         if state.hover.grasp != grasp {
             commands.push(Command::HoverGrasp(grasp));
         }
@@ -349,6 +401,9 @@ impl View3d {
                 }
                 Pick::Voxel { arm, voxel } => {
                     commands.push(Command::Reach(ReachCommand::Select { arm: arm as usize, voxel }));
+                }
+                Pick::Place(index) => {
+                    commands.push(Command::Handover(HandoverCommand::ShowPlace(Some(index as usize))));
                 }
                 Pick::Robot | Pick::Nothing => {}
             }

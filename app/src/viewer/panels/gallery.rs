@@ -6,12 +6,15 @@ use egui::{
 };
 
 use super::Out;
+use crate::viewer::handing::everybody;
 use crate::viewer::icons::Icon;
 use crate::viewer::theme::{BODY, RADIUS, SECONDARY, Tokens, font, strong};
 use crate::viewer::widgets::{focus_ring, icon_button, paragraph, text_in};
 use crate::viewer::{Command, Demo, Overlay, ViewerState, format};
 
 const GAP: f32 = 16.0;
+/// Height of a heading with the gap below it, points.
+const HEADING: f32 = 38.0;
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     let tokens = Tokens::of(ui);
@@ -45,21 +48,34 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         });
         ui.add_space(16.0);
         let most = (window.height() - 220.0).max(180.0);
-        let rows = state.demos.len().div_ceil(columns) as f32;
-        let wanted = (rows * (card_height(card.x) + GAP) - GAP).min(most);
+        let (handovers, alone): (Vec<&Demo>, Vec<&Demo>) =
+            state.demos.iter().partition(|demo| demo.scene.handover.is_some());
+        let groups = [("One robot at work", alone), ("From hand to hand", handovers)];
+        let groups: Vec<_> = groups.into_iter().filter(|(_, demos)| !demos.is_empty()).collect();
+        // One group needs no heading.
+        let heading = if groups.len() > 1 { HEADING } else { 0.0 };
+        let rows: usize = groups.iter().map(|(_, demos)| demos.len().div_ceil(columns)).sum();
+        let wanted = rows as f32 * (card_height(card.x) + GAP) - GAP + heading * groups.len() as f32;
+        let wanted = wanted.min(most);
         egui::ScrollArea::vertical().max_height(most).min_scrolled_height(wanted).auto_shrink([false, true]).show(
             ui,
             |ui| {
                 ui.spacing_mut().item_spacing.y = GAP;
-                for row in state.demos.chunks(columns) {
-                    ui.horizontal_top(|ui| {
-                        ui.spacing_mut().item_spacing.x = GAP;
-                        for demo in row {
-                            if show_card(ui, state, demo, card.x) {
-                                out.push(Command::OpenDemo(demo.name.clone()));
+                for (title, demos) in &groups {
+                    if heading > 0.0 {
+                        let (rect, _) = ui.allocate_exact_size(vec2(width, HEADING - GAP), Sense::hover());
+                        let _text = text_in(ui, rect, Align::Min, title, strong(BODY + 1.0), tokens.secondary);
+                    }
+                    for row in demos.chunks(columns) {
+                        ui.horizontal_top(|ui| {
+                            ui.spacing_mut().item_spacing.x = GAP;
+                            for demo in row {
+                                if show_card(ui, state, demo, card.x) {
+                                    out.push(Command::OpenDemo(demo.name.clone()));
+                                }
                             }
-                        }
-                    });
+                        });
+                    }
                 }
             },
         );
@@ -97,6 +113,7 @@ fn show_card(ui: &mut Ui, state: &ViewerState, demo: &Demo, width: f32) -> bool 
     let picture = Rect::from_min_size(rect.min, vec2(width, picture_height));
     match thumbnail(ui, demo) {
         Some(texture) => paint_thumbnail(ui, &texture, picture),
+        None if demo.scene.handover.is_some() => passing(ui, demo, picture),
         None => drawing(ui, demo, picture),
     }
     ui.painter().rect_stroke(rect, RADIUS, stroke, StrokeKind::Inside);
@@ -108,7 +125,8 @@ fn show_card(ui: &mut Ui, state: &ViewerState, demo: &Demo, width: f32) -> bool 
     let robot = state.robots.iter().find(|robot| robot.name == demo.scene.robot);
     let robot = robot.map_or_else(|| format::title_of(&demo.scene.robot), |robot| robot.title.clone());
     let foot = Rect::from_min_size(pos2(rect.left() + 14.0, rect.bottom() - 30.0), vec2(text_width, 20.0));
-    let _text = text_in(ui, foot, Align::Min, &robot, font(SECONDARY), tokens.teal_text);
+    let everybody = everybody(&demo.scene, robot);
+    let _text = text_in(ui, foot, Align::Min, &everybody, font(SECONDARY), tokens.teal_text);
     if state.demo.as_deref() == Some(&demo.name) {
         let _text = text_in(ui, foot, Align::Max, "running behind this", font(SECONDARY), tokens.secondary);
     }
@@ -173,4 +191,34 @@ fn drawing(ui: &Ui, demo: &Demo, rect: Rect) {
         })
         .collect();
     painter.add(Shape::line(path, Stroke::new(2.0, tokens.amber)));
+}
+
+/// A drawing of two arms that pass an object, in place of a picture.
+fn passing(ui: &Ui, demo: &Demo, rect: Rect) {
+    let tokens = Tokens::of(ui);
+    let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
+    let radius = egui::CornerRadius { nw: RADIUS, ne: RADIUS, sw: 0, se: 0 };
+    painter.rect_filled(rect, radius, tokens.view_centre.lerp_to_gamma(tokens.view_edge, 0.5));
+    let at = |x: f32, y: f32| rect.min + vec2(x * rect.width(), y * rect.height());
+    // Every demo has its own height, so that the cards differ.
+    let low = 0.50 + 0.04 * (demo.name.len() % 4) as f32;
+    let meeting = [at(0.44, low), at(0.56, low - 0.02)];
+    let shoulders = [at(0.14, 0.34), at(0.86, 0.30)];
+    let hues = [tokens.slate, tokens.slate.lerp_to_gamma(tokens.violet, 0.45)];
+    let thick = 0.05 * rect.width();
+    painter.add(Shape::dashed_line(&shoulders, Stroke::new(1.5, tokens.faint), 6.0, 5.0));
+    let trunks = [at(0.14, 1.05), at(0.86, 1.05)];
+    let elbows = [at(0.24, 0.68), at(0.76, 0.66)];
+    for side in 0..2 {
+        let hue = hues[side].gamma_multiply(0.75);
+        painter.line_segment([trunks[side], shoulders[side]], Stroke::new(1.5 * thick, hue.gamma_multiply(0.6)));
+        painter.line_segment([shoulders[side], elbows[side]], Stroke::new(thick, hue));
+        painter.line_segment([elbows[side], meeting[side]], Stroke::new(0.8 * thick, hue));
+        for joint in [shoulders[side], elbows[side], meeting[side]] {
+            painter.circle_filled(joint, 0.56 * thick, tokens.faint);
+            painter.circle_stroke(joint, 0.56 * thick, Stroke::new(1.5, tokens.teal));
+        }
+    }
+    let object = Rect::from_center_size(at(0.5, low - 0.01), vec2(0.09 * rect.width(), 0.30 * rect.height()));
+    painter.rect_filled(object, 6.0, tokens.amber);
 }

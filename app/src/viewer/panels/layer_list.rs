@@ -17,11 +17,15 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     ui.add_space(4.0);
     section(ui, "Shown");
     ui.add_space(2.0);
-    let height = ui.available_height() / Layer::ALL.len() as f32;
+    // A handover has no routes, and nothing else has places.
+    let is_handover = state.scene().handover.is_some();
+    let without = if is_handover { Layer::Routes } else { Layer::Handover };
+    let layers: Vec<Layer> = Layer::ALL.into_iter().filter(|&layer| layer != without).collect();
+    let height = ui.available_height() / layers.len() as f32;
     let height = height.max(ROW[1]).min(ROW[0]);
     egui::ScrollArea::vertical().id_salt("Shown").auto_shrink([false, true]).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
-        for layer in Layer::ALL {
+        for layer in layers {
             row(ui, state, layer, height, out);
         }
     });
@@ -100,6 +104,7 @@ fn color(layer: Layer, tokens: &Tokens) -> Color32 {
         Layer::Ghosts => tokens.blue.lerp_to_gamma(tokens.slate, 0.4),
         Layer::Swept => tokens.blue.lerp_to_gamma(tokens.violet, 0.5),
         Layer::Reach => tokens.teal.lerp_to_gamma(tokens.amber, 0.6),
+        Layer::Handover => tokens.violet.lerp_to_gamma(tokens.coral, 0.5),
         Layer::Grasps => tokens.violet,
         Layer::Rejected => tokens.coral,
         Layer::Contacts => tokens.slate.lerp_to_gamma(tokens.text, 0.6),
@@ -118,7 +123,7 @@ fn label(state: &ViewerState, layer: Layer) -> String {
             .then(|| grasps.iter().filter(|grasp| (grasp.status == GraspStatus::Accepted) == wanted).count())
     };
     match layer {
-        Layer::Robot => state.robot_title(),
+        Layer::Robot => state.who_is_there(),
         Layer::Cloud => counted(outputs.scene.as_ref().map(|scene| scene.cloud.points.len())),
         Layer::Clusters => counted(outputs.segment.as_ref().map(|segment| segment.clusters.len())),
         Layer::Grasps => counted(accepted(true)),
@@ -128,6 +133,7 @@ fn label(state: &ViewerState, layer: Layer) -> String {
             let routes = outputs.plan.as_ref().map(|plan| plan.routes.len());
             counted(routes.filter(|&count| count > 0))
         }
+        Layer::Handover => counted(state.handover_report().map(|report| report.places.len())),
         Layer::Ghosts => counted(Some(state.planning.ghosts)),
         Layer::Fits | Layer::Goal | Layer::Path | Layer::Swept | Layer::Reach => layer.title().to_owned(),
     }

@@ -10,6 +10,7 @@ mod joints;
 mod layer_list;
 mod plan;
 mod play;
+mod presentation;
 mod reach;
 mod scene;
 mod segment;
@@ -23,7 +24,7 @@ use endcomfort_core::fit::ObjectiveKind;
 
 use super::layout::Layout;
 use super::widgets::panel;
-use super::{Command, LabCommand, Overlay, PlanCommand, ViewerState, keys};
+use super::{Command, HandoverCommand, LabCommand, Overlay, PlanCommand, ViewerState, keys};
 
 /// What the panels collect in one pass.
 #[derive(Default)]
@@ -39,6 +40,8 @@ struct Out {
     tried: Option<usize>,
     /// The route whose row is under the pointer.
     route: Option<usize>,
+    /// The place of the handover whose row is under the pointer.
+    place: Option<usize>,
 }
 
 impl Out {
@@ -50,18 +53,22 @@ impl Out {
 /// Draws every panel over whatever the `Ui` shows already, and gives what the person did, keyboard included.
 pub fn draw_panels(ui: &mut Ui, state: &ViewerState) -> Vec<Command> {
     let mut out = Out { commands: keys::commands(ui.ctx(), state), ..Out::default() };
-    let layout = Layout::new(ui.max_rect(), state.drawer);
-    panel(ui, "Top bar", layout.top, vec2(14.0, 7.0), |ui| top_bar::draw(ui, state, &layout, &mut out));
-    if let Some(rect) = layout.left {
-        panel(ui, "Pipeline", rect, vec2(14.0, 12.0), |ui| {
-            stepper::draw(ui, state, &mut out);
-            layer_list::draw(ui, state, &mut out);
-        });
+    let layout = Layout::of(ui.max_rect(), state);
+    if state.presentation.is_some() {
+        presentation::draw(ui, state, &layout, &mut out);
+    } else {
+        panel(ui, "Top bar", layout.top, vec2(14.0, 7.0), |ui| top_bar::draw(ui, state, &layout, &mut out));
+        if let Some(rect) = layout.left {
+            panel(ui, "Pipeline", rect, vec2(14.0, 12.0), |ui| {
+                stepper::draw(ui, state, &mut out);
+                layer_list::draw(ui, state, &mut out);
+            });
+        }
+        if let Some(rect) = layout.right {
+            panel(ui, "Inspector", rect, vec2(14.0, 12.0), |ui| inspector::draw(ui, state, &mut out));
+        }
+        panel(ui, "Timeline", layout.timeline, vec2(14.0, 8.0), |ui| timeline::draw(ui, state, &mut out));
     }
-    if let Some(rect) = layout.right {
-        panel(ui, "Inspector", rect, vec2(14.0, 12.0), |ui| inspector::draw(ui, state, &mut out));
-    }
-    panel(ui, "Timeline", layout.timeline, vec2(14.0, 8.0), |ui| timeline::draw(ui, state, &mut out));
     toasts::draw(ui, state, &layout, &mut out);
     match state.overlay {
         Overlay::Gallery => gallery::draw(ui, state, &mut out),
@@ -69,7 +76,9 @@ pub fn draw_panels(ui: &mut Ui, state: &ViewerState) -> Vec<Command> {
         Overlay::None => {}
     }
     drop_zone::draw(ui);
-    follow_pointer(ui, state, &layout, &mut out);
+    if state.presentation.is_none() {
+        follow_pointer(ui, state, &layout, &mut out);
+    }
     out.commands
 }
 
@@ -89,6 +98,9 @@ fn follow_pointer(ui: &Ui, state: &ViewerState, layout: &Layout, out: &mut Out) 
         out.commands.push(Command::Planning(PlanCommand::HoverRoute(out.route)));
     }
     if over_panel {
+        if state.planning.hovered_place != out.place {
+            out.commands.push(Command::Handover(HandoverCommand::HoverPlace(out.place)));
+        }
         if state.hover.grasp != out.grasp {
             out.commands.push(Command::HoverGrasp(out.grasp));
         }

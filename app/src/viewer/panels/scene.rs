@@ -33,24 +33,35 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         super::top_bar::robot_switch(ui, state, out);
         ui.add_space(6.0);
     }
-    ui.horizontal(|ui| {
-        let chosen = Some(usize::from(scene.arm == ArmChoice::Right));
-        if let Some(index) = segmented(ui, "Arm", &["Left arm", "Right arm"], chosen) {
-            out.push(Command::SetArm(if index == 0 { ArmChoice::Left } else { ArmChoice::Right }));
-        }
-    });
-    ui.add_space(4.0);
+    if scene.handover.is_none() {
+        ui.horizontal(|ui| {
+            let chosen = Some(usize::from(scene.arm == ArmChoice::Right));
+            if let Some(index) = segmented(ui, "Arm", &["Left arm", "Right arm"], chosen) {
+                out.push(Command::SetArm(if index == 0 { ArmChoice::Left } else { ArmChoice::Right }));
+            }
+        });
+        ui.add_space(4.0);
+    }
     let _row = key_value(ui, "Robot", &format!("{}, from posture {}", state.robot_title(), scene.posture));
+    if let Some(agent) = state.receiver() {
+        let [x, y] = agent.position_m;
+        let text = format!("{}, {}, at {x:.2}, {y:.2} m", format::title_of(&agent.model), agent.posture);
+        let _row = key_value(ui, "Receiver", &text);
+    }
     let _row = key_value(ui, "Task", &task(state));
     let _row = key_value(ui, "Table", &table(state));
     let _row = key_value(ui, "Seed", &scene.seed.to_string());
 
     ui.add_space(4.0);
+    let (words, page) = match scene.handover {
+        None => ("Edit the task", PlanPage::Task),
+        Some(_) => ("Edit the handover", PlanPage::Handover),
+    };
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 8.0;
-        if secondary_button(ui, "Edit the task", true).clicked() {
+        if secondary_button(ui, words, true).clicked() {
             out.push(Command::SelectStep(Step::Stage(Stage::Plan)));
-            out.push(Command::Planning(PlanCommand::Page(PlanPage::Task)));
+            out.push(Command::Planning(PlanCommand::Page(page)));
         }
         if secondary_button(ui, "What the arms reach", true).clicked() {
             out.push(Command::Reach(ReachCommand::Open));
@@ -62,7 +73,8 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         for placed in &scene.objects {
             let _row = key_value(ui, &format::title_of(&placed.object), &at(&placed.X_WO.translation.vector.into()));
         }
-        for obstacle in &scene.obstacles {
+        let furniture: Vec<_> = state.receiver().iter().flat_map(|agent| agent.furniture_W()).collect();
+        for obstacle in scene.obstacles.iter().chain(&furniture) {
             let size = obstacle.size_m * 1e3;
             let text = format!("{:.0} × {:.0} × {:.0} mm", size.x, size.y, size.z);
             let _row = key_value(ui, &format::title_of(&obstacle.name), &text);
@@ -100,6 +112,9 @@ fn task(state: &ViewerState) -> String {
     let object =
         scene.objects.get(scene.task.object).map_or("object".to_owned(), |placed| placed.object.replace('_', " "));
     let object = if state.document.cloud.is_some() { "what was found".to_owned() } else { format!("the {object}") };
+    if let Some([_, receiver]) = state.partners().filter(|_| state.receiver().is_some()) {
+        return format!("hand {object} to {}", receiver.words);
+    }
     match scene.task.X_WO_goal() {
         None => format!("lift {object}"),
         Some(X_WO_goal) if scene.task.steps.len() > 1 => {

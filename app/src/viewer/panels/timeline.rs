@@ -6,6 +6,8 @@ use endcomfort_core::task::Plan;
 
 use super::Out;
 use super::plan::color;
+use crate::viewer::captions::{changes_hands_s, deed};
+use crate::viewer::handing::Partner;
 use crate::viewer::icons::Icon;
 use crate::viewer::state::StageState;
 use crate::viewer::theme::{BODY, SECONDARY, SMALL, SMALL_RADIUS, Tokens, font, strong};
@@ -13,6 +15,8 @@ use crate::viewer::widgets::{focus_ring, icon_button, text_in};
 use crate::viewer::{Command, ViewerState, format, playback};
 
 const BARS: f32 = 11.0;
+/// Height of a row of bars where each side of a handover has its own, and the room between the two, points.
+const SIDE: [f32; 2] = [9.0, 4.0];
 /// Width of the timeline from which it has room for the buttons that step, points.
 const STEPS_FROM: f32 = 440.0;
 
@@ -20,8 +24,11 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     ui.spacing_mut().item_spacing = vec2(8.0, 0.0);
     let all = ui.max_rect();
     let row = Rect::from_min_size(all.min, vec2(all.width(), 28.0));
-    let track = Rect::from_min_max(pos2(all.left(), row.bottom() + 4.0), all.max);
     let Some(plan) = &state.outputs.plan else { return empty(ui, state, all) };
+    let partners = state.partners().filter(|_| plan.handover.is_some());
+    // Who moves stands before the rows.
+    let names = partners.as_ref().map_or(0.0, |partners| names_width(ui, partners));
+    let track = Rect::from_min_max(pos2(all.left() + names, row.bottom() + 4.0), all.max);
     let pointed = scrubbing(ui, state, track, out);
     controls(ui, state, plan, row, pointed, out);
     if state.is_stale(Stage::Plan) {
@@ -29,11 +36,31 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     }
     phases(ui, plan, track, state.duration_s());
     curve(ui, state, plan, track, pointed);
-    legs(ui, state, plan, track);
+    match &partners {
+        Some(partners) => sides(ui, state, plan, partners, track),
+        None => legs(ui, state, plan, track),
+    }
+}
+
+/// Room for the names of both sides.
+fn names_width(ui: &Ui, partners: &[Partner; 2]) -> f32 {
+    let width =
+        |partner: &Partner| ui.painter().layout_no_wrap(partner.title.clone(), font(SMALL), Color32::WHITE).size().x;
+    partners.iter().map(width).fold(0.0, f32::max).ceil() + 10.0
+}
+
+/// Where the bars of a leg are, from the upper end of the track: one row, or one for each side of a handover.
+fn bar_y(plan: &Plan, leg: usize) -> [f32; 2] {
+    let [height, gap] = SIDE;
+    match (&plan.handover, leg) {
+        (None, _) => [0.0, BARS],
+        (Some(_), 0) => [0.0, height],
+        (Some(_), _) => [height + gap, 2.0 * height + gap],
+    }
 }
 
 /// No plan: the reason, or what is going on.
-fn empty(ui: &mut Ui, state: &ViewerState, rect: Rect) {
+pub(super) fn empty(ui: &mut Ui, state: &ViewerState, rect: Rect) {
     let tokens = Tokens::of(ui);
     let text = match state.refusal() {
         Some((stage, _)) => format!("No plan: the step {} was refused; its reason stands beside it.", stage.title()),
@@ -92,10 +119,19 @@ fn controls(ui: &mut Ui, state: &ViewerState, plan: &Plan, row: Rect, pointed: O
     if icon_button(ui, Icon::Loop, word, true, playback.looping).clicked() {
         out.push(Command::ToggleLoop);
     }
+    let word = if playback.follows { "Leave the camera where it is (O)" } else { "The camera follows the object (O)" };
+    ui.add_space(-4.0);
+    if icon_button(ui, Icon::Follow, word, true, playback.follows).clicked() {
+        out.push(Command::ToggleFollow);
+    }
+    ui.add_space(-4.0);
+    if icon_button(ui, Icon::Present, "Presentation without panels (P)", true, false).clicked() {
+        out.push(Command::Present(true));
+    }
     let shown = pointed.unwrap_or(playback.time_s);
     let left = ui.cursor().left();
     let rest = Rect::from_min_max(pos2(left, row.top()), row.max);
-    values(ui, plan, shown, rest);
+    values(ui, state, plan, shown, rest);
 }
 
 /// A word that acts, lit while it holds.
@@ -118,7 +154,7 @@ fn word_button(ui: &mut Ui, text: &str, name: &str, lit: bool) -> egui::Response
 }
 
 /// The values under the cursor, right-aligned: `m(q) 0.071 · clearance 38 mm`.
-fn values(ui: &Ui, plan: &Plan, time_s: f64, rect: Rect) {
+fn values(ui: &Ui, state: &ViewerState, plan: &Plan, time_s: f64, rect: Rect) {
     let tokens = Tokens::of(ui);
     let mut parts: Vec<(String, FontId, Color32)> = Vec::new();
     let mut say = |words: &str, value: String| {
@@ -129,9 +165,12 @@ fn values(ui: &Ui, plan: &Plan, time_s: f64, rect: Rect) {
     if rect.width() > 330.0
         && let Some(phase) = playback::phase_at(plan, time_s)
     {
-        say("", phase.kind.name().to_owned());
+        match state.partners().filter(|_| plan.handover.is_some()) {
+            Some(partners) => say(&partners[phase.leg.min(1)].title, deed(plan, plan.phase_at(time_s)).to_owned()),
+            None => say("", phase.kind.name().to_owned()),
+        }
     }
-    if let Some(m) = playback::manipulability_at(plan, time_s) {
+    if let Some(m) = playback::manipulability_at(plan, time_s).filter(|_| rect.width() > 90.0) {
         say("m(q)", format::manipulability(m));
         if rect.width() > 250.0 {
             say("of", format::manipulability(highest(plan)));
@@ -153,12 +192,12 @@ fn highest(plan: &Plan) -> f64 {
     values.copied().filter(|m| m.is_finite()).fold(1e-6, f64::max)
 }
 
-fn x_of(track: Rect, time_s: f64, duration_s: f64) -> f32 {
+pub(super) fn x_of(track: Rect, time_s: f64, duration_s: f64) -> f32 {
     track.left() + track.width() * (time_s / duration_s.max(1e-9)).max(0.0).min(1.0) as f32
 }
 
 /// Press and drag anywhere on the track; gives the time under the pointer while it only hovers.
-fn scrubbing(ui: &mut Ui, state: &ViewerState, track: Rect, out: &mut Out) -> Option<f64> {
+pub(super) fn scrubbing(ui: &mut Ui, state: &ViewerState, track: Rect, out: &mut Out) -> Option<f64> {
     let response = ui.interact(track.expand2(vec2(4.0, 2.0)), ui.scope_id().with("Scrub"), Sense::click_and_drag());
     let time_s = state.playback.time_s;
     response.widget_info(|| WidgetInfo::slider(true, time_s, "Time"));
@@ -183,28 +222,66 @@ fn scrubbing(ui: &mut Ui, state: &ViewerState, track: Rect, out: &mut Out) -> Op
 fn phases(ui: &Ui, plan: &Plan, track: Rect, duration_s: f64) {
     let tokens = Tokens::of(ui);
     let mut names: Vec<(f64, Rect, &'static str)> = Vec::new();
-    for phase in &plan.phases {
+    for leg in 0..if plan.handover.is_some() { 2 } else { 0 } {
+        let [y0, y1] = bar_y(plan, leg);
+        let middle = track.top() + 0.5 * (y0 + y1);
+        ui.painter().hline(track.x_range(), middle, Stroke::new(1.0, tokens.line));
+    }
+    for (index, phase) in plan.phases.iter().enumerate() {
         let length_s = phase.trajectory.duration_s();
         let x0 = x_of(track, phase.start_s, duration_s);
         let x1 = x_of(track, phase.start_s + length_s, duration_s);
         // A gap of four points between bars; the first and the last one reach the ends.
         let inset = (0.25 * (x1 - x0)).min(2.0);
         let (left, right) = ((x0 - track.left()).min(inset), (track.right() - x1).min(inset));
-        let bar = Rect::from_min_max(pos2(x0 + left, track.top()), pos2(x1 - right, track.top() + BARS));
+        let [y0, y1] = bar_y(plan, phase.leg).map(|y| track.top() + y);
+        let bar = Rect::from_min_max(pos2(x0 + left, y0), pos2(x1 - right, y1));
         ui.painter().rect_filled(bar, 3.0, color(phase.kind, tokens));
-        names.push((length_s, bar, phase.kind.name()));
+        let name = if plan.handover.is_some() { deed(plan, index) } else { phase.kind.name() };
+        names.push((length_s, bar, name));
     }
     names.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut taken: Vec<Rect> = Vec::new();
     for (_, bar, name) in names {
         let galley = ui.painter().layout_no_wrap(name.to_owned(), font(SMALL), tokens.secondary);
         let left = (bar.left() + 3.0).min(track.right() - galley.size().x);
-        let rect = Rect::from_min_size(pos2(left, bar.bottom() + 3.0), galley.size());
+        let top = track.top() + bars_height(plan) + 3.0;
+        let rect = Rect::from_min_size(pos2(left, top), galley.size());
         if taken.iter().all(|other| !other.expand2(vec2(8.0, 0.0)).intersects(rect)) {
             ui.painter().galley(rect.min, galley, tokens.secondary);
             taken.push(rect);
         }
     }
+}
+
+/// Height of all rows of bars.
+fn bars_height(plan: &Plan) -> f32 {
+    bar_y(plan, 1)[1]
+}
+
+/// Who moves, before the rows, and where the object changes hands.
+fn sides(ui: &Ui, state: &ViewerState, plan: &Plan, partners: &[Partner; 2], track: Rect) {
+    let tokens = Tokens::of(ui);
+    let now = playback::phase_at(plan, state.playback.time_s).map(|phase| phase.leg.min(1));
+    for (leg, partner) in partners.iter().enumerate() {
+        let [y0, y1] = bar_y(plan, leg).map(|y| track.top() + y);
+        let ink = if now == Some(leg) { tokens.text } else { tokens.secondary };
+        let row = Rect::from_min_max(pos2(track.left(), y0), pos2(track.right(), y1));
+        let at = pos2(track.left() - 10.0, row.center().y);
+        let _rect = ui.painter().text(at, Align2::RIGHT_CENTER, &partner.title, font(SMALL), ink);
+    }
+    let Some(time_s) = changes_hands_s(plan) else { return };
+    let x = x_of(track, time_s, state.duration_s());
+    // Not through the words below the rows.
+    let below = track.top() + bars_height(plan);
+    for (from, to) in [(track.top(), below), (below + 20.0, track.bottom())] {
+        ui.painter().vline(x, from..=to, Stroke::new(1.5, tokens.faint));
+    }
+    let galley = ui.painter().layout_no_wrap("changes hands".to_owned(), font(SMALL), tokens.secondary);
+    let at = pos2((x + 6.0).min(track.right() - galley.size().x), track.bottom() - galley.size().y);
+    let back = Rect::from_min_size(at, galley.size()).expand2(vec2(3.0, 0.0));
+    ui.painter().rect_filled(back, 2.0, tokens.overlay);
+    ui.painter().galley(at, galley, tokens.secondary);
 }
 
 /// Where the object is grasped anew: a line through everything, the number of the hold beside it.
@@ -232,7 +309,7 @@ fn legs(ui: &Ui, state: &ViewerState, plan: &Plan, track: Rect) {
 fn curve(ui: &Ui, state: &ViewerState, plan: &Plan, track: Rect, pointed: Option<f64>) {
     let tokens = Tokens::of(ui);
     let duration_s = state.duration_s();
-    let area = Rect::from_min_max(pos2(track.left(), track.top() + BARS + 20.0), track.max);
+    let area = Rect::from_min_max(pos2(track.left(), track.top() + bars_height(plan) + 20.0), track.max);
     let samples = plan.phases.iter().flat_map(|phase| {
         phase.trajectory.times_s.iter().zip(&phase.manipulability).map(|(&t, &m)| (phase.start_s + t, m))
     });

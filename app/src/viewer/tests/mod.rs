@@ -3,6 +3,7 @@
 mod behaviour;
 mod bench;
 mod grasping;
+mod handing;
 mod invented;
 mod lab;
 mod pictures;

@@ -1,6 +1,8 @@
 //! The plan: its phases and numbers, what was tried before it, the hand's routes, and what it is asked for.
 
 mod compare;
+mod handover;
+mod receiver;
 mod routes;
 mod settings;
 mod summary;
@@ -30,12 +32,17 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         // What it is asked for can be changed all the same.
         return match pages(ui, state, out) {
             PlanPage::Settings => settings::draw(ui, state, out),
+            PlanPage::Handover => handover::draw(ui, state, out),
             _ => task::draw(ui, state, out),
         };
     };
-    let text = format!("Planned with {}", state.grasp_title(plan.grasp().id));
+    let text = match state.partners().filter(|_| plan.handover.is_some()) {
+        Some([giver, receiver]) => format!("{} gives, {} takes", giver.subject(), receiver.words),
+        None => format!("Planned with {}", state.grasp_title(plan.grasp().id)),
+    };
     let sentence = match (state.document.grasp.is_some(), plan.tries.len()) {
         (true, _) => "The grasp that you asked for.".to_owned(),
+        (false, 0) if plan.handover.is_some() => "The best place worked at the first try.".to_owned(),
         (false, 0) => "The best-ranked grasp worked at the first try.".to_owned(),
         (false, failed) => format!("{} failed before it.", format::plural(failed, "try").replace("trys", "tries")),
     };
@@ -62,6 +69,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         PlanPage::Plan => summary::draw(ui, state, plan, out),
         PlanPage::Tried => tried::draw(ui, state, out),
         PlanPage::Routes => routes::draw(ui, state, plan, out),
+        PlanPage::Handover => handover::draw(ui, state, out),
         PlanPage::Task => task::draw(ui, state, out),
         PlanPage::Settings => settings::draw(ui, state, out),
     }
@@ -86,6 +94,7 @@ fn refused(ui: &mut Ui, state: &ViewerState, refusal: &Refusal, out: &mut Out) {
     match pages(ui, state, out) {
         PlanPage::Task => task::draw(ui, state, out),
         PlanPage::Settings => settings::draw(ui, state, out),
+        PlanPage::Handover => handover::draw(ui, state, out),
         _ => {
             tried::draw(ui, state, out);
             tried::details(ui, refusal);

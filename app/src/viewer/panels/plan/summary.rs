@@ -11,7 +11,8 @@ use crate::viewer::widgets::{focus_ring, key_value, secondary_button, section, s
 use crate::viewer::{Command, Layer, PlanCommand, ViewerState, format, playback};
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, plan: &Plan, out: &mut Out) {
-    let _row = key_value(ui, "Arm", &plan.arms().join(", then "));
+    let arms: Vec<String> = plan.arms().iter().map(|arm| arm.replace('_', " ")).collect();
+    let _row = key_value(ui, "Arm", &arms.join(", then "));
     let _row = key_value(ui, "Duration", &format::clock(state.duration_s()));
     if let Some((clearance_m, time_s)) = playback::closest(plan) {
         let text = format!("{} at {}", format::length(clearance_m), format::clock(time_s));
@@ -26,9 +27,17 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, plan: &Plan, out: &mut Out)
     for (index, phase) in plan.phases.iter().enumerate() {
         let is_first = index == 0 || plan.phases[index - 1].leg != phase.leg;
         if plan.legs.len() > 1 && is_first {
-            let grasp = state.grasp_title(plan.legs[phase.leg].grasp.id);
-            let text = format!("{} hold", format::title_of(&format::ordinal(phase.leg + 1)));
-            let _row = key_value(ui, &text, &grasp);
+            match state.partners().filter(|_| plan.handover.is_some()) {
+                Some(partners) => {
+                    let deed = if phase.leg == 0 { "gives" } else { "takes" };
+                    let _row = key_value(ui, &partners[phase.leg.min(1)].title, deed);
+                }
+                None => {
+                    let grasp = state.grasp_title(plan.legs[phase.leg].grasp.id);
+                    let text = format!("{} hold", format::title_of(&format::ordinal(phase.leg + 1)));
+                    let _row = key_value(ui, &text, &grasp);
+                }
+            }
         }
         phase_row(ui, phase, out);
     }

@@ -191,7 +191,7 @@ fn pose(ui: &mut Ui, index: usize, X_WO: &Isometry3<f64>, out: &mut Out) {
 }
 
 /// Three numbers side by side; gives the one that was touched.
-fn triple(ui: &mut Ui, fields: [(Number, &str, f64); 3]) -> Option<(usize, Touch)> {
+pub(super) fn triple(ui: &mut Ui, fields: [(Number, &str, f64); 3]) -> Option<(usize, Touch)> {
     let tokens = Tokens::of(ui);
     let width = (ui.available_width() - 2.0 * 8.0) / 3.0;
     let mut touched = None;
@@ -258,7 +258,7 @@ fn degrees(name: &'static str, tip: &'static str) -> Number {
 }
 
 /// A sentence under a field.
-fn explain(ui: &mut Ui, text: &str) {
+pub(super) fn explain(ui: &mut Ui, text: &str) {
     ui.add_space(2.0);
     let color = Tokens::of(ui).secondary;
     let _text = paragraph(ui, text, SECONDARY, color);
