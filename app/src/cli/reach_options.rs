@@ -86,8 +86,11 @@ impl Options {
             view.slices[*axis] = *slice;
         }
         let map = |(arm, name): (usize, &str)| -> Result<Option<ReachMap>, Failure> {
-            let map = view.arms.needs(arm).then(|| assets::library().reach_map(&scene.robot, name));
-            map.transpose().map_err(|error| Failure::new(error.to_string()))
+            if !view.arms.needs(arm) {
+                return Ok(None);
+            }
+            let map = assets::library().reach_map(&scene.robot, name);
+            map.map(Some).map_err(|error| Failure::new(error.to_string()))
         };
         let maps = [map((0, "left"))?, map((1, "right"))?];
         let scale = reach_scale(maps.iter().flatten(), &view);
