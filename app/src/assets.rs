@@ -6,7 +6,17 @@ use endcomfort_core::library::Library;
 use endcomfort_core::scene::Scene;
 use include_dir::{Dir, include_dir};
 
-static ROBOTS: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../robots");
+/// The folders of `robots/`. The page fetches maps when they are first shown.
+static ROBOTS: &[(&str, Dir<'_>)] = &[
+    ("alita", include_dir!("$CARGO_MANIFEST_DIR/../robots/alita")),
+    ("crichton", include_dir!("$CARGO_MANIFEST_DIR/../robots/crichton")),
+    ("hands", include_dir!("$CARGO_MANIFEST_DIR/../robots/hands")),
+    ("hubo", include_dir!("$CARGO_MANIFEST_DIR/../robots/hubo")),
+    ("human", include_dir!("$CARGO_MANIFEST_DIR/../robots/human")),
+    #[cfg(not(target_arch = "wasm32"))]
+    ("maps", include_dir!("$CARGO_MANIFEST_DIR/../robots/maps")),
+    ("meshes", include_dir!("$CARGO_MANIFEST_DIR/../robots/meshes")),
+];
 static OBJECTS: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../objects");
 
 /// The demos in the order of the gallery; each is `objects/scenes/NAME.json`.
@@ -35,9 +45,12 @@ pub const RECEIVERS: [&str; 2] = ["hubo", "human"];
 /// Content of a file by its path in the repository: `robots/alita/alita.urdf`, `objects/mug_body.json`.
 pub fn read(path: &str) -> Option<&'static [u8]> {
     let (folder, rest) = path.split_once('/')?;
-    let dir = match folder {
-        "robots" => &ROBOTS,
-        "objects" => &OBJECTS,
+    let (dir, rest) = match folder {
+        "robots" => {
+            let (folder, rest) = rest.split_once('/')?;
+            (&ROBOTS.iter().find(|(name, _)| *name == folder)?.1, rest)
+        }
+        "objects" => (&OBJECTS, rest),
         _ => return None,
     };
     dir.get_file(rest).map(include_dir::File::contents)

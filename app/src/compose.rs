@@ -6,6 +6,8 @@ mod lab;
 mod motion;
 mod palette;
 mod picture;
+mod reach;
+mod reach_cells;
 mod swept;
 
 use std::sync::Arc;
@@ -27,6 +29,8 @@ pub use lab::LabContent;
 pub use motion::MotionContent;
 pub use palette::Palette;
 pub use picture::Picture;
+pub use reach::ReachContent;
+pub use reach_cells::reach_scale;
 
 /// Resolution of a fit's mesh: 96 columns, 47 rings.
 const FIT_MESH_HALF: u32 = 12;
@@ -65,6 +69,8 @@ pub struct Content<'a> {
     pub colored_by: Quantity,
     /// The filter whose cone and box are drawn.
     pub filter: Option<&'a GraspFilter>,
+    /// Reachability maps, if there are any.
+    pub reach: Option<ReachContent<'a>>,
     /// The fit under examination, if there is one.
     pub lab: Option<LabContent<'a>>,
     pub theme: Theme,
@@ -84,6 +90,7 @@ pub struct Composer {
     glyphs: Option<grasps::Glyphs>,
     motion: Option<motion::Motion>,
     marks: Option<handover::Marks>,
+    reach: reach::Drawn,
 }
 
 /// Address and number of the points, whether they are segmented, the cluster that is not seen, whether the others are
@@ -120,6 +127,7 @@ impl Composer {
         grasps::add_filter(&mut frame, input, &palette);
         self.add_motion(&mut frame, input, &palette);
         self.add_handover(&mut frame, input, &palette);
+        self.add_reach(&mut frame, input, &palette);
         frame
     }
 

@@ -66,7 +66,7 @@ pub fn run(
     pipeline: &mut Pipeline,
     request: &Request,
     should_stop: &(dyn Fn() -> bool + Sync),
-    emit: &mut dyn FnMut(Update),
+    emit: &mut (dyn FnMut(Update) + Send),
 ) {
     let now_ms = stopwatch();
     pipeline.run(request, &Watch::new(should_stop, &|_, _| (), &now_ms), emit);
@@ -86,7 +86,7 @@ pub fn run_as_far_as_possible(request: &Request, last: Stage) -> (Vec<Output>, O
             output => outputs.push(output),
         },
         Update::Refused { refusal, .. } => refused = Some(refusal),
-        Update::Progress { .. } | Update::Finished { .. } => {}
+        Update::Progress { .. } | Update::Mapping { .. } | Update::Finished { .. } => {}
     });
     (outputs, refused)
 }

@@ -11,12 +11,12 @@ use endcomfort_core::task::{PhaseKind, TARGET, Try};
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::assets;
-use crate::compose::{Composer, Content, LabContent, MotionContent, Palette, quantity_scale};
+use crate::compose::{Composer, Content, LabContent, MotionContent, Palette, ReachContent, quantity_scale};
 use crate::export::{MotionFormat, export_grasps, export_motion};
-use crate::render::{Bounds, Scale, Theme};
+use crate::render::{Bounds, ColorMap, Frame, Scale, Theme};
 use crate::viewer::{
-    ComposeInput, Demo, Document, Label, Layer, Outputs, Picture, Posture, RobotChoice, ScaleBar, Situation, Studio,
-    Tone, objective_title, unit_of,
+    ComposeInput, Demo, Document, Label, Layer, Legend, LegendRow, Mark, Outputs, Picture, Posture, ReachArms,
+    RobotChoice, ScaleBar, Situation, Studio, Tone, VoxelChoice, objective_title, unit_of,
 };
 
 /// How far from the hand's tool centre point its reason stands, metres.
@@ -103,6 +103,7 @@ impl Studio for BuiltInStudio {
             selected: input.selection.grasp,
             colored_by: input.colored_by(has_goal),
             filter: input.grasping.filter.as_ref(),
+            reach: reach_content(input),
             lab: lab_content(input),
             theme: if input.dark { Theme::Dark } else { Theme::Light },
         };
@@ -116,6 +117,9 @@ impl Studio for BuiltInStudio {
             let legend = Some(lab.legend(&Palette::of(content.theme)));
             return Picture { frame, scale, legend, bounds: lab.bounds(), ..Picture::default() };
         }
+        if let Some(reach) = content.reach {
+            return self.reach_picture(frame, input, &content, &reach);
+        }
         let has_values = content.grasps.iter().any(|g| g.is_accepted() && content.colored_by.of(g).is_some());
         let scale = (input.layers.opacity(Layer::Grasps) > 0.0 && has_values).then(|| {
             let (unit, per_si) = unit_of(content.colored_by);
@@ -123,7 +127,7 @@ impl Studio for BuiltInStudio {
             let scale = Scale { min: per_si * scale.min, max: per_si * scale.max, ..scale };
             ScaleBar { title: content.colored_by.title().to_owned(), unit, scale }
         });
-        let object_W = content.X_WO.map(|X_WO| X_WO.translation.vector.into());
+        let object_W = object_W(&content);
         let bounds = workspace(input);
         let outline = outline(input, &robot, &bounds);
         let bounds = Some(bounds);
@@ -131,6 +135,64 @@ impl Studio for BuiltInStudio {
         let labels = if input.is_presented { Vec::new() } else { labels(input, &content) };
         Picture { frame, labels, scale, legend: None, bounds, outline, object_W }
     }
+}
+
+impl BuiltInStudio {
+    /// The picture of a robot in its maps.
+    fn reach_picture(
+        &self,
+        frame: Frame,
+        input: &ComposeInput<'_>,
+        content: &Content<'_>,
+        reach: &ReachContent<'_>,
+    ) -> Picture {
+        let palette = Palette::of(content.theme);
+        let (count, around) = self.composer.reach_drawn();
+        let (unit, per_si) = reach.view.quantity.unit();
+        let scale = reach.scale();
+        let scale = Scale { min: per_si * scale.min, max: per_si * scale.max, ..scale };
+        let bar = ScaleBar { title: reach.view.quantity.title().to_owned(), unit, scale };
+        let mut rows = vec![LegendRow {
+            mark: Mark::Body,
+            color: ColorMap::Viridis.at(0.6),
+            text: format!("{} voxels shown", crate::viewer::count(count)),
+        }];
+        if let Some(chosen) = reach.chosen {
+            let reached = reach.maps[chosen.arm].map_or(0, |map| map.reached(chosen.voxel).count());
+            let others = format!("{} orientations that reach the voxel", crate::viewer::count(reached));
+            rows.push(LegendRow { mark: Mark::Line, color: palette.other_hands, text: others });
+            let text = "the one that the robot shows".to_owned();
+            rows.push(LegendRow { mark: Mark::Line, color: palette.chosen, text });
+        }
+        let title = match reach.view.arms {
+            ReachArms::Left => "Reachability of the left arm",
+            ReachArms::Right => "Reachability of the right arm",
+            ReachArms::Both => "Reachability of both arms",
+            ReachArms::Overlap => "Reachability, overlap of both arms",
+        };
+        let legend = Some(Legend { title: title.to_owned(), rows });
+        let (bounds, outline) = match around.filter(|_| input.reaching.is_open) {
+            Some(around) => (around, Vec::new()),
+            None => (workspace(input), outline(input, content.robot, &workspace(input))),
+        };
+        let (labels, bounds) = (labels(input, content), Some(bounds));
+        let scale = (count > 0).then_some(bar);
+        Picture { frame, labels, scale, legend, bounds, outline, object_W: object_W(content) }
+    }
+}
+
+/// Where the object is that the task is about.
+fn object_W(content: &Content<'_>) -> Option<Point3<f64>> {
+    content.X_WO.map(|X_WO| X_WO.translation.vector.into())
+}
+
+/// The maps that are shown.
+fn reach_content<'a>(input: &ComposeInput<'a>) -> Option<ReachContent<'a>> {
+    let reaching = input.reaching;
+    let maps = [reaching.map(0), reaching.map(1)];
+    let is_shown = input.layers.opacity(Layer::Reach) > 0.0 && maps.iter().any(Option::is_some);
+    let chosen = if let Posture::Reach(chosen) = input.posture { Some(chosen) } else { None };
+    is_shown.then(|| ReachContent { maps, view: reaching.view, chosen, version: reaching.version() })
 }
 
 /// Where the task wants the object frame last, and before that: as the pipeline found it, or as the scene has it while
@@ -236,6 +298,10 @@ impl Standing {
                 let state = plan.state_at(time_s);
                 Self { X_WO: Some(plan.object_pose(robot, &state)), q: state.q }
             }
+            Posture::Reach(chosen) => {
+                let placed = Self::in_map(chosen, input, robot, &at_start);
+                placed.unwrap_or(at_start)
+            }
             Posture::Try { index } => {
                 let placed = input.tries.get(index).and_then(|tried| Self::of_try(tried, input, robot));
                 placed.unwrap_or(at_start)
@@ -261,6 +327,19 @@ impl Standing {
 }
 
 impl Standing {
+    /// In the configuration of a map; `None` if the map is of another robot.
+    fn in_map(chosen: VoxelChoice, input: &ComposeInput<'_>, robot: &Robot, at_start: &Self) -> Option<Self> {
+        let map = input.reaching.map(chosen.arm)?;
+        let positions = map.configuration(chosen.voxel, chosen.orientation)?;
+        let arm = robot.arm(&map.about().arm.arm)?;
+        let arm = if positions.len() > arm.dofs.len() { robot.arm_with_torso(arm) } else { arm.clone() };
+        let mut q = at_start.q.clone();
+        for (&dof, position) in arm.dofs.iter().zip(positions) {
+            *q.get_mut(dof)? = position;
+        }
+        Some(Self { q, X_WO: at_start.X_WO })
+    }
+
     /// Where a try failed; `None` if it belongs to another robot or hand.
     fn of_try(tried: &Try, input: &ComposeInput<'_>, robot: &Robot) -> Option<Self> {
         let outputs = input.outputs;

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use eframe::egui;
 use endcomfort_core::job::{Request, Update};
 
-use crate::host::Host;
+use crate::assets;
+use crate::host::{Fetched, Host};
 use crate::jobs::Worker;
 use crate::studio::BuiltInStudio;
 use crate::viewer::{App, StartOptions};
@@ -62,6 +63,11 @@ impl Host for WindowHost {
 
     fn poll(&mut self) -> Vec<Update> {
         self.worker.poll()
+    }
+
+    fn fetch(&mut self, path: &str, done: Fetched) {
+        let file = assets::read(&format!("robots/{path}"));
+        done(file.map(<[u8]>::to_vec).ok_or_else(|| "there is no such file".to_owned()));
     }
 
     fn save(&mut self, name: &str, bytes: &[u8]) -> String {

@@ -32,6 +32,8 @@ pub struct Request {
     pub last: Stage,
     /// Instead of the stages: fits this cluster with each of the five objectives.
     pub compare: Option<usize>,
+    /// Instead of the stages: builds reachability maps.
+    pub map: Option<MapRequest>,
 }
 
 impl Request {
@@ -47,6 +49,7 @@ impl Request {
             first: Stage::Scene,
             last: Stage::Plan,
             compare: None,
+            map: None,
         }
     }
 }
@@ -58,6 +61,34 @@ pub struct SetShape {
     pub cluster: usize,
     /// The shape, in W.
     pub superquadric: Superquadric,
+}
+
+/// Asks for the reachability maps of arms of the scene's robot, with the hand that the scene gives it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MapRequest {
+    /// Names of the arms; one map is built after the other.
+    pub arms: Vec<String>,
+    /// Whether the joint before the arm turns as well.
+    pub torso: bool,
+    /// Edge length of the voxels, metres.
+    pub voxel_m: f64,
+    /// Orientations of the hand that are told apart.
+    pub orientations: usize,
+    /// How the maps are built.
+    pub method: MapMethod,
+}
+
+/// How a reachability map is built.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MapMethod {
+    /// Every pose is solved for the joints in closed form.
+    Inverse,
+    /// So many configurations are drawn.
+    Forward {
+        /// How many.
+        samples: usize,
+    },
 }
 
 /// A file that somebody dropped.
@@ -103,6 +134,8 @@ impl Stage {
 pub enum Update {
     /// A stage is under way: fraction in [0, 1] and a few words.
     Progress { revision: u64, stage: Stage, fraction: f64, note: String },
+    /// A reachability map is being built: fraction in [0, 1] of all that were asked for, and a few words.
+    Mapping { revision: u64, fraction: f64, note: String },
     /// A stage is done.
     Done { revision: u64, elapsed_ms: f64, output: Box<Output> },
     /// A stage cannot be done; later stages are not run.
@@ -124,6 +157,19 @@ pub enum Output {
     Objective(Box<ObjectiveFit>),
     /// Qualities of the accepted grasps of [`Output::Rank`], once the plan stands; not a stage.
     Quality(Vec<Quality>),
+    /// One of the maps of [`Request::map`], or the reason why there is none; not a stage.
+    Map(Box<BuiltMap>),
+}
+
+/// A reachability map that was asked for.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct BuiltMap {
+    /// Name of the arm.
+    pub arm: String,
+    /// Whether the joint before the arm turned as well.
+    pub torso: bool,
+    /// The map as a file ([`crate::reach::ReachMap::to_bytes`]), or the reason why there is none.
+    pub file: Result<Vec<u8>, String>,
 }
 
 /// The cloud that the robot sees.

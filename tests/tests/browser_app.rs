@@ -193,7 +193,7 @@ fn a_truncated_cloud_is_refused_in_words_and_the_scene_stays() -> Result<()> {
 fn the_plan_for_a_seed_is_the_same_text_in_the_browser_and_natively() -> Result<()> {
     for demo in assets::DEMOS {
         let scene = assets::demo(demo).context("no such demo")?;
-        let robot = assets::library().robot(&scene.robot)?;
+        let robot = assets::library().robot_of(&scene)?;
         let request = Request::new(scene);
         let outputs = run_until(&request, Stage::Plan).map_err(|refusal| anyhow!("{refusal:?}"))?;
         let plan =

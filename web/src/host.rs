@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use eframe::egui;
-use endcomfort::host::Host;
+use endcomfort::host::{Fetched, Host};
 use endcomfort_core::job::{Refusal, Request, Stage, Update};
 use js_sys::{Array, ArrayBuffer, Uint8Array};
 use wasm_bindgen::prelude::*;
@@ -136,7 +136,7 @@ impl Desk {
         match &update {
             Update::Progress { stage, .. } => self.stage = Some(*stage),
             Update::Finished { revision } if self.running == Some(*revision) => self.running = None,
-            Update::Done { .. } | Update::Refused { .. } | Update::Finished { .. } => {}
+            Update::Done { .. } | Update::Mapping { .. } | Update::Refused { .. } | Update::Finished { .. } => {}
         }
         self.updates.push(update);
     }
@@ -199,6 +199,11 @@ impl Host for WebHost {
 
     fn poll(&mut self) -> Vec<Update> {
         std::mem::take(&mut self.desk.borrow_mut().updates)
+    }
+
+    fn fetch(&mut self, path: &str, done: Fetched) {
+        let path = path.to_owned();
+        wasm_bindgen_futures::spawn_local(async move { done(dom::fetch(&path).await) });
     }
 
     fn save(&mut self, name: &str, bytes: &[u8]) -> String {

@@ -43,7 +43,8 @@ mod tests {
     use super::*;
     use endcomfort_core::cloud::{PixelGrid, PointCloud};
     use endcomfort_core::job::{
-        DroppedCloud, Output, Refusal, Request, SceneOutput, SegmentOutput, SetShape, Stage, Update,
+        DroppedCloud, MapMethod, MapRequest, Output, Refusal, Request, SceneOutput, SegmentOutput, SetShape, Stage,
+        Update,
     };
     use endcomfort_core::scene::{ArmChoice, Obstacle, PlacedObject, Scene, TableTop, Task};
     use endcomfort_core::segment::{Plane, PointFate};
@@ -75,8 +76,8 @@ mod tests {
             rank: Default::default(),
             motion: Default::default(),
             torso: false,
-            handover: None,
             hand: None,
+            handover: None,
         }
     }
 
@@ -96,11 +97,19 @@ mod tests {
                 first: Stage::Fit,
                 last: Stage::Rank,
                 compare: Some(1),
+                map: Some(MapRequest {
+                    arms: vec!["left".into()],
+                    torso: true,
+                    voxel_m: 0.025,
+                    orientations: 272,
+                    method: MapMethod::Forward { samples: 4_000_000 },
+                }),
             };
             let got: Request = from_bytes(&to_bytes(&sent).unwrap()).unwrap();
             assert_eq!((got.revision, got.scene, got.cloud), (sent.revision, sent.scene, sent.cloud));
             assert_eq!((got.cluster, got.grasp, got.shape), (sent.cluster, sent.grasp, sent.shape));
             assert_eq!((got.first, got.last, got.compare), (sent.first, sent.last, sent.compare));
+            assert_eq!(got.map, sent.map);
         }
     }
 

@@ -98,6 +98,9 @@ impl Site {
     }
 }
 
+/// The folder of files that keep their names when their content changes.
+const MAPS: &str = "maps/";
+
 fn answer(folder: &Path, request: Request) {
     let accepts = request
         .headers()
@@ -137,12 +140,13 @@ fn reply(folder: &Path, url: &str, accepts: &str) -> Reply {
     let Some(name) = file_name(url) else { return missing() };
     let path = folder.join(name);
     let Some((encoding, body)) = read_best(&path, accepts) else { return missing() };
+    let keeps_its_name = name == "index.html" || name.starts_with(MAPS);
     let mut headers = vec![
         ("Content-Type", mime_type(name)),
         ("Content-Security-Policy", POLICY),
         ("X-Content-Type-Options", "nosniff"),
         ("Vary", "Accept-Encoding"),
-        ("Cache-Control", if name == "index.html" { "no-cache" } else { "public, max-age=31536000, immutable" }),
+        ("Cache-Control", if keeps_its_name { "no-cache" } else { "public, max-age=31536000, immutable" }),
     ];
     if let Some(encoding) = encoding {
         headers.push(("Content-Encoding", encoding));
@@ -150,13 +154,14 @@ fn reply(folder: &Path, url: &str, accepts: &str) -> Reply {
     Reply { status: 200, headers, body }
 }
 
-/// The file that an address means. The site is one flat folder, so anything with a separator, a hidden name or an
-/// escape in it means nothing, and no address can lead out of the folder.
+/// The file that an address means. The site is a flat folder with one of maps in it, so anything with another separator,
+/// a hidden name or an escape in it means nothing, and no address can lead out of the folder.
 fn file_name(url: &str) -> Option<&str> {
     let path = url.split(['?', '#']).next()?.strip_prefix('/')?;
     let name = if path.is_empty() { "index.html" } else { path };
-    let is_plain = name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '.' | '-' | '_'));
-    (is_plain && !name.starts_with('.')).then_some(name)
+    let last = name.strip_prefix(MAPS).unwrap_or(name);
+    let is_plain = last.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '.' | '-' | '_'));
+    (is_plain && !last.is_empty() && !last.starts_with('.')).then_some(name)
 }
 
 /// The smallest form that the browser takes: its encoding and its bytes.
@@ -264,10 +269,31 @@ mod tests {
     }
 
     #[test]
+    fn maps_come_from_their_own_folder_and_are_asked_for_anew() {
+        let folder = folder_with_a_page("maps");
+        std::fs::create_dir_all(folder.join("maps")).unwrap();
+        std::fs::write(folder.join("maps/alita_left.reach"), "map").unwrap();
+        let map = reply(&folder, "/maps/alita_left.reach", "br");
+        assert_eq!((map.status, map.body.as_slice()), (200, b"map".as_slice()));
+        // Its name stays when its content changes.
+        assert_eq!(header(&map, "Cache-Control"), Some("no-cache"));
+    }
+
+    #[test]
     fn no_address_leads_out_of_the_folder() {
         let folder = folder_with_a_page("inside");
-        for url in ["/../Cargo.toml", "/..", "/.secret", "/a/../a.wasm", "/%2e%2e/x", "//etc/passwd", "a.wasm", "/a\\b"]
-        {
+        for url in [
+            "/../Cargo.toml",
+            "/..",
+            "/.secret",
+            "/a/../a.wasm",
+            "/maps/../a.wasm",
+            "/maps/",
+            "/%2e%2e/x",
+            "//etc/passwd",
+            "a.wasm",
+            "/a\\b",
+        ] {
             assert_eq!(reply(&folder, url, "br").status, 404, "for {url:?}");
         }
     }

@@ -55,6 +55,8 @@ pub(crate) fn build(options: wasm::Options, effort: Effort) -> Result<(PathBuf, 
     )?;
     site.add("index.html", page.as_bytes())?;
 
+    site.add_maps()?;
+
     let Sizes { raw, gzip, brotli } = site.total;
     println!("{:<40} {raw:>10} {gzip:>10} {brotli:>10}", "all");
     Ok((folder, site.total))
@@ -80,6 +82,23 @@ impl Site {
         self.total.raw += raw;
         self.total.gzip += gzip;
         self.total.brotli += brotli;
+        Ok(())
+    }
+
+    /// Adds the reachability maps, which the page fetches when they are first shown. They are compressed inside.
+    fn add_maps(&mut self) -> Result<()> {
+        let folder = process::root().join("robots/maps");
+        let entries = std::fs::read_dir(&folder).with_context(|| format!("cannot read {}", folder.display()))?;
+        let mut names: Vec<String> = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
+        names.retain(|name| name.ends_with(".reach"));
+        names.sort_unstable();
+        let mut total = 0;
+        std::fs::create_dir_all(self.folder.join("maps"))?;
+        for name in &names {
+            let copied = std::fs::copy(folder.join(name), self.folder.join("maps").join(name));
+            total += copied.with_context(|| format!("cannot copy {name}"))?;
+        }
+        println!("{:<40} {total:>10}", format!("maps/ ({} files, fetched when shown)", names.len()));
         Ok(())
     }
 

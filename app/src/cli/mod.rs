@@ -12,6 +12,7 @@ mod motion_options;
 mod pictures;
 mod plan;
 mod reach;
+mod reach_options;
 mod render;
 mod segment;
 mod table;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use endcomfort_core::job::Output;
 
-use super::{Common, Failure, input};
+use super::{Common, Failure, input, reach_options};
 use crate::figures::{Picture, PictureSettings};
 use crate::render::Theme;
 use crate::{assets, jobs};
@@ -35,6 +35,8 @@ pub(super) struct Args {
     /// Robot, instead of the scene's own.
     #[arg(long)]
     robot: Option<String>,
+    #[command(flatten)]
+    reach: reach_options::Options,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -71,6 +73,7 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
             ThemeName::Dark => Theme::Dark,
             ThemeName::Light => Theme::Light,
         },
+        reach: args.reach.picture(&request.scene)?,
     };
     let image = Picture { scene: &request.scene, robot: &robot, outputs: &outputs }
         .draw(&settings)

@@ -52,7 +52,7 @@ impl LabContent<'_> {
         sizes.sort_by(f64::total_cmp);
         let resolved = ((sizes.len() as f64 * RESOLVED) as usize).min(sizes.len().saturating_sub(1));
         let end_mm = round_up(1e3 * sizes.get(resolved).copied().unwrap_or(1e-3));
-        Scale { map: ColorMap::Diverging, min: -end_mm, max: end_mm }
+        Scale { map: ColorMap::Diverging, min: -end_mm, max: end_mm, is_log: false }
     }
 
     /// The box around everything that is examined, with a little room.

@@ -8,7 +8,7 @@ use endcomfort_core::robot::Robot;
 use endcomfort_core::scene::Scene;
 use endcomfort_core::task::Plan;
 
-use super::{Composer, Content, MotionContent};
+use super::{Composer, Content, MotionContent, ReachContent};
 use crate::export::Moment;
 use crate::render::{Frame, Theme};
 use crate::viewer::{Layer, Layers};
@@ -32,7 +32,7 @@ impl Picture<'_> {
         let mut composer = Composer::default();
         let moment = |k: usize| {
             let time_s = (k as f64 * step_s).min(duration_s);
-            let frame = self.frame(&mut composer, Some(time_s), theme, &layers);
+            let frame = self.frame(&mut composer, Some(time_s), theme, &layers, None);
             Moment { time_s, meshes: frame.meshes }
         };
         (0..=steps).map(moment).collect()
@@ -43,7 +43,14 @@ impl Picture<'_> {
     }
 
     /// What is drawn at a time of the plan; without a time, the robot in its start posture.
-    pub(crate) fn frame(&self, composer: &mut Composer, time_s: Option<f64>, theme: Theme, layers: &Layers) -> Frame {
+    pub(crate) fn frame(
+        &self,
+        composer: &mut Composer,
+        time_s: Option<f64>,
+        theme: Theme,
+        layers: &Layers,
+        reach: Option<ReachContent<'_>>,
+    ) -> Frame {
         let plan = self.plan().cloned().map(Arc::new);
         let mut content = Content {
             scene: self.scene,
@@ -66,6 +73,7 @@ impl Picture<'_> {
             colored_by: Quantity::MgStart,
             filter: Some(&self.scene.grasp.filter),
             lab: None,
+            reach,
             theme,
         };
         for output in self.outputs {
@@ -84,7 +92,7 @@ impl Picture<'_> {
                     content.grasps = &value.grasps;
                     content.selected = value.grasps.first().filter(|g| g.is_accepted()).map(|g| g.id);
                 }
-                Output::Plan(_) | Output::Objective(_) | Output::Quality(_) => {}
+                Output::Plan(_) | Output::Objective(_) | Output::Quality(_) | Output::Map(_) => {}
             }
         }
         let resting = self.robot.posture(&self.scene.posture);

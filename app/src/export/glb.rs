@@ -117,7 +117,7 @@ fn material(&(color, surface): &([f32; 4], Surface)) -> Value {
     let (metallic, roughness) = match surface {
         Surface::Gloss => (0.3, 0.25),
         Surface::Satin => (0.0, 0.5),
-        Surface::Matte | Surface::Unlit | Surface::Ghost => (0.0, 0.95),
+        Surface::Matte | Surface::Unlit | Surface::Facet | Surface::Ghost => (0.0, 0.95),
     };
     let mut material = json!({
         "pbrMetallicRoughness": {

@@ -2,12 +2,13 @@
 
 mod fit_pair;
 
+use endcomfort_core::reach::ReachMap;
 use image::RgbaImage;
 use nalgebra::Point3;
 
-use crate::compose::Composer;
+use crate::compose::{Composer, ReachContent};
 use crate::render::{Camera, Offscreen, OffscreenError, Theme, View};
-use crate::viewer::Layers;
+use crate::viewer::{Layer, Layers, ReachView};
 
 pub use crate::compose::Picture;
 pub use fit_pair::draw_fits;
@@ -24,6 +25,23 @@ pub struct PictureSettings {
     pub transparent: bool,
     /// Colours.
     pub theme: Theme,
+    /// Reachability maps to be drawn; the usual view frames them.
+    pub reach: Option<ReachPicture>,
+}
+
+/// Reachability maps in a picture.
+pub struct ReachPicture {
+    /// Of the left arm and of the right one.
+    pub maps: [Option<ReachMap>; 2],
+    /// How they are shown.
+    pub view: ReachView,
+}
+
+impl ReachPicture {
+    fn content(&self) -> ReachContent<'_> {
+        let maps = self.maps.each_ref().map(Option::as_ref);
+        ReachContent { maps, view: self.view, chosen: None, version: 0 }
+    }
 }
 
 impl Picture<'_> {
@@ -32,8 +50,17 @@ impl Picture<'_> {
     /// # Errors
     /// [`OffscreenError`] when there is no graphics adapter or the size is beyond its limit.
     pub fn draw(&self, settings: &PictureSettings) -> Result<RgbaImage, OffscreenError> {
-        let frame = self.frame(&mut Composer::default(), settings.time_s, settings.theme, &Layers::default());
-        let camera = settings.camera.map_or_else(Camera::default, |(eye, target)| looking(eye.into(), target.into()));
+        let mut layers = Layers::default();
+        layers.get_mut(Layer::Reach).visible = settings.reach.is_some();
+        let mut composer = Composer::default();
+        let reach = settings.reach.as_ref().map(ReachPicture::content);
+        let frame = self.frame(&mut composer, settings.time_s, settings.theme, &layers, reach);
+        let mut camera = Camera::default();
+        if let Some((eye, target)) = settings.camera {
+            camera = looking(eye.into(), target.into());
+        } else if let (_, Some(bounds)) = composer.reach_drawn() {
+            camera.frame(&bounds, settings.size_px.map(f64::from));
+        }
         let view = View { transparent: settings.transparent, ..View::new(camera, settings.theme, settings.size_px) };
         Offscreen::new()?.render(&frame, &view)
     }

@@ -17,6 +17,8 @@ fn fs_body(in: Fragment, @builtin(front_facing) front: bool) -> @location(0) vec
     var color = in.color.rgb;
     if in.surface.z > 0.5 {
         color = clamp(body_color(in, front), vec3<f32>(0.0), vec3<f32>(1.0));
+    } else if in.surface.x < 0.5 {
+        color *= 0.79 + 0.21 * dot(facing(in.normal, front), vec3<f32>(0.36, 0.24, 0.90));
     }
     return vec4<f32>(color * in.color.a, in.color.a);
 }

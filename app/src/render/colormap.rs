@@ -40,6 +40,8 @@ pub struct Scale {
     pub min: f64,
     /// Value of the last colour.
     pub max: f64,
+    /// Whether equal ratios, not equal differences, are equally far apart; both ends must be greater than 0.
+    pub is_log: bool,
 }
 
 impl Scale {
@@ -49,13 +51,13 @@ impl Scale {
         let finite = values.into_iter().filter(|v| v.is_finite());
         let (min, max) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)));
         if min > max {
-            return Self { map, min: 0.0, max: 1.0 };
+            return Self { map, min: 0.0, max: 1.0, is_log: false };
         }
         match map {
-            ColorMap::Viridis => Self { map, min, max },
+            ColorMap::Viridis => Self { map, min, max, is_log: false },
             ColorMap::Diverging => {
                 let reach = min.abs().max(max.abs());
-                Self { map, min: -reach, max: reach }
+                Self { map, min: -reach, max: reach, is_log: false }
             }
         }
     }
@@ -63,13 +65,30 @@ impl Scale {
     /// sRGB and opacity 1 of a value; values outside the range take its end colours, and if the range is a single
     /// value that value takes the middle colour.
     pub fn color(&self, value: f64) -> [f32; 4] {
-        let span = self.max - self.min;
-        if span > 0.0 {
-            self.map.at((value - self.min) / span)
+        if self.max > self.min {
+            self.map.at(self.share(value))
         } else if value.is_nan() {
             NO_VALUE
         } else {
             self.map.at(0.5)
+        }
+    }
+
+    /// How far along the range a value lies: 0 at its first, 1 at its last; beyond the ends less or more.
+    pub fn share(&self, value: f64) -> f64 {
+        if self.is_log {
+            (value / self.min).ln() / (self.max / self.min).ln()
+        } else {
+            (value - self.min) / (self.max - self.min)
+        }
+    }
+
+    /// The value that lies so far along the range: the inverse of [`Scale::share`].
+    pub fn value_at(&self, share: f64) -> f64 {
+        if self.is_log {
+            self.min * (self.max / self.min).powf(share)
+        } else {
+            self.min + share * (self.max - self.min)
         }
     }
 }
@@ -95,6 +114,17 @@ mod tests {
         let [r, g, b, _] = ColorMap::Diverging.at(0.5);
         let spread = r.max(g).max(b) - r.min(g).min(b);
         assert!(spread < 0.02, "middle is ({r}, {g}, {b})");
+    }
+
+    #[test]
+    fn on_a_logarithmic_scale_equal_ratios_are_equally_far_apart() {
+        let scale = Scale { map: ColorMap::Viridis, min: 0.01, max: 1.0, is_log: true };
+        assert!((scale.share(0.1) - 0.5).abs() < 1e-12);
+        assert_eq!(scale.color(0.1), ColorMap::Viridis.at(0.5));
+        assert_eq!(scale.color(0.0), ColorMap::Viridis.at(0.0), "below the range its first colour");
+        for linear in [scale, Scale { is_log: false, ..scale }] {
+            assert!((linear.value_at(linear.share(0.07)) - 0.07).abs() < 1e-12);
+        }
     }
 
     #[test]

@@ -43,6 +43,9 @@ pub enum Surface {
     Gloss,
     /// Data: its colour as it is, no light, no shadow.
     Unlit,
+    /// Data on bodies that stand side by side: no light and no shadow, but faces that look down are darker, so that one
+    /// body is told from the next.
+    Facet,
     /// A see-through outline of something that is not there (a goal, a ghost): brighter at the rim, no shadow.
     Ghost,
 }

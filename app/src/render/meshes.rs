@@ -46,6 +46,7 @@ impl Instance {
             Surface::Matte => (0.70, 0.035),
             Surface::Gloss => (0.22, 0.07),
             Surface::Unlit | Surface::Ghost => (1.0, 0.0),
+            Surface::Facet => (0.0, 0.0),
         };
         let lit = f32::from(u8::from(is_lit(draw.surface)));
         let masked = f32::from(u8::from(is_solid(draw)));
@@ -141,25 +142,33 @@ impl Plan {
     pub(super) fn new(frame: &Frame, camera: &Camera, scene_center: &Point3<f64>, bounds: &mut BoundsCache) -> Self {
         let mut plan = Self::default();
         let (mut solid, mut unlit) = (Groups::default(), Groups::default());
-        // Depth, position in the frame, draws: a whole ghost is sorted as one.
-        let mut clear: Vec<(f64, Vec<&MeshDraw>)> = Vec::new();
+        // Depth, position in the frame, number of draws: a whole ghost is sorted as one.
+        let mut clear: Vec<(f64, usize, usize)> = Vec::new();
+        let mut last_sphere = None;
         let mut last_ghost: Option<(usize, [f32; 4], u32)> = None;
         for (idx, draw) in frame.meshes.iter().enumerate() {
             let visible = draw.color[3] > 0.0 && draw.color.iter().all(|c| c.is_finite()) && is_finite(&draw.X_WM);
-            let Some(sphere) = bounds.sphere(&draw.mesh).filter(|_| visible) else { continue };
+            // Many draws of one mesh follow each other.
+            let mesh = Arc::as_ptr(&draw.mesh);
+            let sphere = match last_sphere {
+                Some((known, sphere)) if known == mesh => sphere,
+                _ => bounds.sphere(&draw.mesh),
+            };
+            last_sphere = Some((mesh, sphere));
+            let Some(sphere) = sphere.filter(|_| visible) else { continue };
             let depth_m = camera.depth_m(&(draw.X_WM * sphere.center));
             if draw.surface == Surface::Ghost {
                 let same = (idx, draw.color, draw.pick_id);
                 match (last_ghost, clear.last_mut()) {
                     (Some((last, color, id)), Some(ghost)) if (last + 1, color, id) == same => {
                         ghost.0 = ghost.0.min(depth_m);
-                        ghost.1.push(draw);
+                        ghost.2 += 1;
                     }
-                    _ => clear.push((depth_m, vec![draw])),
+                    _ => clear.push((depth_m, idx, 1)),
                 }
                 last_ghost = Some(same);
             } else if draw.color[3] < OPAQUE {
-                clear.push((depth_m, vec![draw]));
+                clear.push((depth_m, idx, 1));
             } else if is_lit(draw.surface) {
                 solid.add(draw);
             } else {
@@ -169,11 +178,12 @@ impl Plan {
         clear.sort_by(|a, b| b.0.total_cmp(&a.0));
         plan.solid = plan.place(solid, scene_center);
         plan.unlit = plan.place(unlit, scene_center);
-        for (_, draws) in clear {
+        for (_, first, count) in clear {
+            let draws = &frame.meshes[first..first + count];
             let ghost = draws.first().is_some_and(|draw| draw.surface == Surface::Ghost);
             if ghost {
                 let mut parts = Groups::default();
-                draws.into_iter().for_each(|draw| parts.add(draw));
+                draws.iter().for_each(|draw| parts.add(draw));
                 let batches = plan.place(parts, scene_center);
                 plan.clear.push(Clear::Ghost(batches));
                 continue;
@@ -217,16 +227,22 @@ pub(super) fn casts_shadow(draw: &MeshDraw) -> bool {
 #[derive(Default)]
 struct Groups<'f> {
     places: BTreeMap<usize, usize>,
+    /// Mesh and place of the last draw: many of one mesh follow each other.
+    last: Option<(usize, usize)>,
     draws: Vec<(usize, Vec<&'f MeshDraw>)>,
 }
 
 impl<'f> Groups<'f> {
     fn add(&mut self, draw: &'f MeshDraw) {
         let mesh = Arc::as_ptr(&draw.mesh) as usize;
-        let place = *self.places.entry(mesh).or_insert_with(|| {
-            self.draws.push((mesh, Vec::new()));
-            self.draws.len() - 1
-        });
+        let place = match self.last {
+            Some((known, place)) if known == mesh => place,
+            _ => *self.places.entry(mesh).or_insert_with(|| {
+                self.draws.push((mesh, Vec::new()));
+                self.draws.len() - 1
+            }),
+        };
+        self.last = Some((mesh, place));
         self.draws[place].1.push(draw);
     }
 }

@@ -8,7 +8,9 @@ use endcomfort_core::grasp::ExportFormat;
 
 use super::state::Step;
 use super::view3d::View3d;
-use super::{Command, Document, Effect, LabCommand, Overlay, Studio, ThemeChoice, ViewerState, draw_panels, theme};
+use super::{
+    Command, Document, Effect, LabCommand, Overlay, ReachCommand, Studio, ThemeChoice, ViewerState, draw_panels, theme,
+};
 use crate::host::Host;
 
 /// How the program shall open.
@@ -174,6 +176,11 @@ impl App {
                     ThemeChoice::Dark => egui::ThemePreference::Dark,
                     ThemeChoice::Light => egui::ThemePreference::Light,
                 }),
+                Effect::FetchMap(path) => self.fetch_map(ctx, path),
+                Effect::Save { name, bytes } => {
+                    let sentence = self.host.save(&name, &bytes);
+                    self.state.say(false, sentence, Vec::new());
+                }
                 Effect::Screenshot => self.ask_for_screenshot(ctx),
                 Effect::Export(format) => self.export(format),
                 Effect::ExportMotion(format) => self.export_motion(format),
@@ -228,6 +235,17 @@ impl App {
             }
             Err(reason) => self.state.say(true, format!("The plan could not be exported: {reason}."), Vec::new()),
         }
+    }
+
+    /// What arrives comes in with the next frame, like a file that was dropped.
+    fn fetch_map(&mut self, ctx: &Context, path: String) {
+        let (inbox, repaint, name) = (self.inbox.clone(), ctx.clone(), path.clone());
+        let done = move |file| {
+            let arrived = Command::Reach(ReachCommand::Arrived { path: name, file });
+            inbox.lock().unwrap_or_else(PoisonError::into_inner).push(arrived);
+            repaint.request_repaint();
+        };
+        self.host.fetch(&path, Box::new(done));
     }
 
     fn ask_for_screenshot(&mut self, ctx: &Context) {

@@ -11,7 +11,8 @@ use endcomfort_core::task::Plan;
 use super::goal_drag::GoalDrag;
 use super::state::{IkChoice, Presentation, Side, StageState, Standing, Step, ThemeChoice};
 use super::{
-    Document, GraspCommand, HandoverCommand, LabCommand, Layer, Overlay, PlanCommand, Playback, ViewerState, playback,
+    Document, GraspCommand, HandoverCommand, LabCommand, Layer, Overlay, PlanCommand, Playback, ReachCommand,
+    ViewerState, playback,
 };
 use crate::export::MotionFormat;
 
@@ -36,6 +37,8 @@ pub enum Command {
     Grasping(GraspCommand),
     /// Examines plans, or asks for others.
     Planning(PlanCommand),
+    /// Shows reachability maps, or asks for others.
+    Reach(ReachCommand),
     /// Grasps another cluster.
     GraspCluster(usize),
     /// Examines a handover, or asks for another one.
@@ -126,6 +129,10 @@ pub enum Effect {
     Look(NamedView),
     /// Save a picture of the view.
     Screenshot,
+    /// Bring a file of a reachability map: `maps/alita_left.reach`.
+    FetchMap(String),
+    /// Hand a file to the person.
+    Save { name: String, bytes: Arc<Vec<u8>> },
     /// Save the ranked grasps.
     Export(ExportFormat),
     /// Save the planned motion.
@@ -139,6 +146,13 @@ pub enum Effect {
 impl ViewerState {
     /// Does what the person asked for.
     pub fn apply(&mut self, command: Command) -> Vec<Effect> {
+        self.make_way(&command);
+        let mut effects = self.obey(command);
+        effects.extend(self.ask_for_maps());
+        effects
+    }
+
+    fn obey(&mut self, command: Command) -> Vec<Effect> {
         match command {
             Command::OpenDemo(name) => return self.open_demo(&name),
             Command::OpenFile { name, bytes } => return self.open_file(name, bytes),
@@ -162,6 +176,7 @@ impl ViewerState {
             Command::Grasping(command) => return self.apply_grasping(command),
             Command::Planning(command) => return self.apply_planning(command),
             Command::Handover(command) => return self.apply_handover(command),
+            Command::Reach(command) => return self.apply_reach(command),
             Command::GraspCluster(cluster) => {
                 return self.edit(|document| {
                     document.cluster = Some(cluster);
@@ -325,6 +340,9 @@ impl ViewerState {
                 demo: self.demo.clone(),
             })
         });
+        if name.to_ascii_lowercase().ends_with(".reach") {
+            return self.open_map(name, bytes);
+        }
         let is_json = name.to_ascii_lowercase().ends_with(".json");
         if is_json && serde_json::from_slice(&bytes).is_ok_and(|json| HandDescription::is_meant_by(&json)) {
             return self.open_hand(name, &bytes);
@@ -476,6 +494,8 @@ impl ViewerState {
             self.grasping.draws_region = false;
         } else if self.overlay != Overlay::None {
             self.overlay = Overlay::None;
+        } else if self.shown_voxel().is_some() {
+            self.reaching.let_go();
         } else if self.drawer.is_some() {
             self.drawer = None;
         } else if self.planning.selected_try.is_some() {

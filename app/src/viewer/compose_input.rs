@@ -6,7 +6,10 @@ use endcomfort_core::scene::Scene;
 use endcomfort_core::task::Try;
 use nalgebra::Point3;
 
-use super::{Document, GraspingKey, Hover, Kept, LabKey, Layers, Outputs, PlanningKey, Selection, Situation};
+use super::{
+    Document, GraspingKey, Hover, Kept, LabKey, Layers, Outputs, PlanningKey, ReachKey, Reaching, Selection, Situation,
+    VoxelChoice,
+};
 use crate::render::{Bounds, Frame, Scale};
 
 /// Everything that the picture depends on; two equal inputs (see [`ViewKey`]) give the same picture.
@@ -36,6 +39,8 @@ pub struct ComposeInput<'a> {
     pub tries: &'a [Try],
     /// The plan that others are compared with.
     pub kept: Option<&'a Kept>,
+    /// Reachability maps and how they are shown.
+    pub reaching: &'a Reaching,
     /// The fit under examination; `None` while the robot is at work.
     pub lab: Option<LabKey>,
     /// A fit of another objective, to be drawn over the examined one.
@@ -69,6 +74,8 @@ pub enum Posture {
         /// Index into [`ComposeInput::tries`].
         index: usize,
     },
+    /// In the configuration of a reachability map for one of its poses, the object where it was seen.
+    Reach(VoxelChoice),
     /// In one configuration of a grasp's IK set, the object at the start or at the goal.
     Ik {
         /// Number of the grasp.
@@ -91,6 +98,7 @@ pub struct ViewKey {
     pub(super) posture: Posture,
     pub(super) grasping: GraspingKey,
     pub(super) planning: PlanningKey,
+    pub(super) reach: ReachKey,
     pub(super) lab: Option<LabKey>,
     pub(super) is_presented: bool,
     pub(super) dark: bool,

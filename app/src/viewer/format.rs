@@ -107,6 +107,17 @@ pub(super) fn title_of(name: &str) -> String {
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }
 
+/// Along which line the fingers close, seen by the robot: `closes left–right`.
+pub(super) fn closing(X_WH: &Isometry3<f64>) -> &'static str {
+    let x = X_WH.rotation * nalgebra::Vector3::x();
+    match x.iter().position(|along| along.abs() > 0.8) {
+        Some(0) => "closes front–back",
+        Some(1) => "closes left–right",
+        Some(_) => "closes up–down",
+        None => "closes aslant",
+    }
+}
+
 /// From where the hand comes, seen by the robot: `from above`, `from left, 30° down`.
 ///
 /// `X_WH` is the hand in the world; z of H is the approach direction. The robot stands at the origin and looks along

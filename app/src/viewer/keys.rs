@@ -5,10 +5,10 @@ use egui::{Context, Key, Modifiers};
 use endcomfort_core::job::Stage;
 
 use super::state::Step;
-use super::{Command, LabCommand, NamedView, Overlay, ViewerState};
+use super::{Command, LabCommand, NamedView, Overlay, ReachCommand, ViewerState};
 
 /// What the help overlay lists: key, what it does.
-pub(super) const LIST: [(&str, &str); 18] = [
+pub(super) const LIST: [(&str, &str); 19] = [
     ("Space", "Play or pause"),
     ("Left  Right", "Back or forth by 0.1 s"),
     (",  .", "Back or forth by one sample"),
@@ -18,6 +18,7 @@ pub(super) const LIST: [(&str, &str); 18] = [
     ("O", "The camera follows the object"),
     ("P", "Presentation without panels"),
     ("V", "Fit step: as a body, by lines, by error"),
+    ("R", "What the arms reach"),
     ("1  3  7", "Look from the front, the side, above"),
     ("Drag", "Turn about the point under the pointer"),
     ("Right drag, Shift drag", "Move"),
@@ -75,6 +76,7 @@ pub(super) fn commands(ctx: &Context, state: &ViewerState) -> Vec<Command> {
             (Key::Num3, Command::Look(NamedView::Side)),
             (Key::Num7, Command::Look(NamedView::Top)),
             (Key::V, Command::Lab(LabCommand::NextView)),
+            (Key::R, Command::Reach(if state.reaching.is_open { ReachCommand::Close } else { ReachCommand::Open })),
             (Key::G, Command::Show(toggled(Overlay::Gallery))),
         ] {
             let has_fit = state.selection.step == Step::Stage(Stage::Fit);

@@ -16,11 +16,12 @@ pub enum Layer {
     Routes,
     Ghosts,
     Swept,
+    Reach,
 }
 
 impl Layer {
     /// All layers in the order of the list.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Robot,
         Self::Cloud,
         Self::Clusters,
@@ -34,6 +35,7 @@ impl Layer {
         Self::Routes,
         Self::Ghosts,
         Self::Swept,
+        Self::Reach,
     ];
 
     /// What a person reads.
@@ -52,6 +54,7 @@ impl Layer {
             Self::Ghosts => "Ghost poses",
             Self::Swept => "Swept volume",
             Self::Handover => "Handover",
+            Self::Reach => "Reachability",
         }
     }
 }
@@ -72,7 +75,7 @@ pub struct Layers([LayerView; Layer::ALL.len()]);
 impl Default for Layers {
     fn default() -> Self {
         let mut layers = Self([LayerView { visible: true, opacity: 1.0 }; Layer::ALL.len()]);
-        for hidden in [Layer::Rejected, Layer::Ghosts, Layer::Swept] {
+        for hidden in [Layer::Rejected, Layer::Ghosts, Layer::Swept, Layer::Reach] {
             layers.get_mut(hidden).visible = false;
         }
         layers

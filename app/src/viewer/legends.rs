@@ -84,7 +84,7 @@ pub(super) fn scale_bar(ui: &Ui, layout: &Layout, bar: &ScaleBar) {
     let mut mesh = Mesh::default();
     for step in 0..=STEPS {
         let u = step as f64 / STEPS as f64;
-        let [r, g, b, _] = bar.scale.color(min + u * (max - min)).map(|c| (255.0 * c).round() as u8);
+        let [r, g, b, _] = bar.scale.color(bar.scale.value_at(u)).map(|c| (255.0 * c).round() as u8);
         let x = rect.left() + rect.width() * u as f32;
         mesh.colored_vertex(pos2(x, rect.top()), Color32::from_rgb(r, g, b));
         mesh.colored_vertex(pos2(x, rect.bottom()), Color32::from_rgb(r, g, b));

@@ -33,8 +33,11 @@ mod pick;
 mod planning;
 mod playback;
 mod quantities;
+mod reach;
+mod reach_view;
 mod region_drag;
 mod regions;
+mod slider;
 mod state;
 mod status;
 mod studio;
@@ -61,6 +64,8 @@ pub use pick::Pick;
 pub use planning::{PlanCommand, PlanPage, Planning, PlanningKey, PlayPage, planner_title};
 pub use playback::Playback;
 pub use quantities::unit as unit_of;
+pub use reach::{MapSource, ReachCommand, ReachKey, ReachPage, Reaching, ShownMap, Slot, VoxelChoice};
+pub use reach_view::{Keep, ReachArms, ReachQuantity, ReachView, Slice};
 pub use state::{
     Hover, IkChoice, Message, Overlay, Presentation, Selection, Side, Situation, StageState, Step, ThemeChoice,
     ViewerState,

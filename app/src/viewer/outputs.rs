@@ -95,8 +95,8 @@ impl Outputs {
                 }
                 return None;
             }
-            // The lab takes it before anybody puts it here.
-            Output::Objective(_) => return None,
+            // The lab and the maps take them before anybody puts them here.
+            Output::Objective(_) | Output::Map(_) => return None,
         })
     }
 

@@ -20,11 +20,19 @@ pub enum Pick {
         /// Which one, in the order of the fit.
         part: u32,
     },
+    /// A voxel of a reachability map.
+    Voxel {
+        /// Of the left arm (0) or of the right one (1).
+        arm: u32,
+        /// Its number.
+        voxel: u32,
+    },
 }
 
 impl Pick {
     const KIND_SHIFT: u32 = 28;
     const INDEX: u32 = (1 << Self::KIND_SHIFT) - 1;
+    const ARM_SHIFT: u32 = 27;
     const PART_SHIFT: u32 = 20;
     const PART: u32 = (1 << (Self::KIND_SHIFT - Self::PART_SHIFT)) - 1;
 
@@ -40,7 +48,11 @@ impl Pick {
                 pack(4, part << Self::PART_SHIFT | cluster)
             }
             Self::Part { .. } => 0,
-            Self::Place(index) => pack(5, index),
+            Self::Place(index) => pack(6, index),
+            Self::Voxel { arm, voxel } if arm < 2 && voxel < 1 << Self::ARM_SHIFT => {
+                pack(5, arm << Self::ARM_SHIFT | voxel)
+            }
+            Self::Voxel { .. } => 0,
         }
     }
 
@@ -52,7 +64,8 @@ impl Pick {
             2 => Self::Cluster(index),
             3 => Self::Grasp(index),
             4 => Self::Part { cluster: index & ((1 << Self::PART_SHIFT) - 1), part: index >> Self::PART_SHIFT },
-            5 => Self::Place(index),
+            6 => Self::Place(index),
+            5 => Self::Voxel { arm: index >> Self::ARM_SHIFT, voxel: index & ((1 << Self::ARM_SHIFT) - 1) },
             _ => Self::Nothing,
         }
     }
@@ -77,6 +90,8 @@ mod tests {
         }
         let part = Pick::Part { cluster: 3, part: 5 };
         assert_eq!(Pick::from_id(part.id()), part);
+        let voxel = Pick::Voxel { arm: 1, voxel: 81_234 };
+        assert_eq!(Pick::from_id(voxel.id()), voxel);
         assert_eq!(Pick::Grasp(u32::MAX).id(), 0);
     }
 }

@@ -7,8 +7,8 @@ use endcomfort_core::job::{Refusal, Stage};
 
 use super::document::History;
 use super::{
-    ComposeInput, Demo, Document, Grasping, Lab, Layers, Outputs, Planning, Playback, Posture, RobotChoice, TableView,
-    ViewKey,
+    ComposeInput, Demo, Document, Grasping, Lab, Layers, Outputs, Planning, Playback, Posture, Reaching, RobotChoice,
+    TableView, ViewKey,
 };
 
 /// Everything the interface knows. Panels read it; [`ViewerState::apply`] and [`ViewerState::receive`] change it.
@@ -39,6 +39,8 @@ pub struct ViewerState {
     pub planning: Planning,
     /// The fit under examination.
     pub lab: Lab,
+    /// Reachability maps and how they are shown.
+    pub reaching: Reaching,
     /// What covers the page.
     pub overlay: Overlay,
     /// The presentation without panels, while it runs.
@@ -236,6 +238,7 @@ impl ViewerState {
             grasping: Grasping::default(),
             planning: Planning::default(),
             lab: Lab::default(),
+            reaching: Reaching::default(),
             overlay: Overlay::None,
             presentation: None,
             drawer: None,
@@ -328,6 +331,7 @@ impl ViewerState {
             _ if self.shown_try().is_some_and(|index| !self.tries()[index].q.is_empty()) => {
                 Posture::Try { index: self.shown_try().unwrap_or(0) }
             }
+            _ if self.shown_voxel().is_some() => self.shown_voxel().map_or(Posture::Start, Posture::Reach),
             (Some(ik), Some(grasp), _) if !self.playback.playing => Posture::Ik { grasp, at: ik.at, index: ik.index },
             (_, _, Some(_)) => Posture::Plan { time_s: self.playback.time_s },
             _ => Posture::Start,
@@ -350,6 +354,7 @@ impl ViewerState {
             planning: self.planning_key(),
             tries: self.tries(),
             kept: self.planning.kept.as_ref(),
+            reaching: &self.reaching,
             lab,
             is_presented: self.presentation.is_some(),
             trial: lab.and_then(|lab| self.comparison()?.fit(lab.objective?)),
@@ -368,6 +373,7 @@ impl ViewerState {
             posture: self.posture(),
             grasping: self.grasping_key(),
             planning: self.planning_key(),
+            reach: self.reaching.key(),
             lab: self.lab_key(),
             is_presented: self.presentation.is_some(),
             dark,

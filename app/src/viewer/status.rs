@@ -4,8 +4,9 @@ use endcomfort_core::job::{ObjectiveFit, Stage};
 use endcomfort_core::task::plan_json_lines;
 use serde_json::{Value, json};
 
+use super::reach::ARMS;
 use super::state::StageState;
-use super::{Overlay, ViewerState};
+use super::{Layer, MapSource, Overlay, Slot, ViewerState};
 use crate::assets;
 
 impl ViewerState {
@@ -40,6 +41,7 @@ impl ViewerState {
             "legs": outputs.plan.as_ref().map(|plan| plan.legs.len()),
             "tries": self.tries().len(),
             "routes": outputs.plan.as_ref().map(|plan| plan.routes.len()),
+            "reach": self.reach_status(),
             "kept": self.planning.kept.as_ref().map(|kept| &kept.title),
             "duration_s": self.duration_s(),
             "time_s": self.playback.time_s,
@@ -69,6 +71,34 @@ impl ViewerState {
             "objective": self.document.scene.fit.objective,
             "by_hand": self.automatic_fit().is_some(),
         })
+    }
+
+    /// The maps that are shown: by arm their voxels, and the chosen voxel's place, arm and number of orientations.
+    fn reach_status(&self) -> Value {
+        if !self.layers.get(Layer::Reach).visible {
+            return Value::Null;
+        }
+        let maps: Vec<Value> = (0..2)
+            .map(|arm| match self.reaching.slot(arm) {
+                Slot::Empty => Value::Null,
+                Slot::Awaited(_) => json!({ "arm": ARMS[arm], "state": "awaited" }),
+                Slot::Missing(reason) => json!({ "arm": ARMS[arm], "state": "missing", "reason": reason }),
+                Slot::Here(shown) => json!({
+                    "arm": ARMS[arm],
+                    "state": "here",
+                    "voxels": shown.map.voxels().count(),
+                    "poses": shown.map.reached_poses(),
+                    "bytes": shown.bytes.len(),
+                    "built": matches!(shown.source, MapSource::Built { .. }),
+                }),
+            })
+            .collect();
+        let chosen = self.shown_voxel().and_then(|chosen| {
+            let p_W = self.voxel_place(chosen.arm, chosen.voxel)?;
+            let reached = self.reaching.orientations(chosen.arm, chosen.voxel).len();
+            Some(json!({ "arm": ARMS[chosen.arm], "p_W": [p_W.x, p_W.y, p_W.z], "reached": reached }))
+        });
+        json!({ "maps": maps, "chosen": chosen, "building": self.map_under_way().map(|(fraction, _)| fraction) })
     }
 
     fn stage_status(&self, stage: Stage) -> Value {

@@ -14,6 +14,7 @@ impl ViewerState {
         };
         let revision = match &update {
             Update::Progress { revision, .. }
+            | Update::Mapping { revision, .. }
             | Update::Done { revision, .. }
             | Update::Refused { revision, .. }
             | Update::Finished { revision } => *revision,
@@ -21,7 +22,7 @@ impl ViewerState {
         let is_answer = match &update {
             Update::Done { output, .. } => matches!(**output, Output::Plan(_)),
             Update::Refused { .. } | Update::Finished { .. } => true,
-            Update::Progress { .. } => false,
+            Update::Progress { .. } | Update::Mapping { .. } => false,
         };
         let mut effects = if revision == self.revision {
             self.receive_present(revision, update)
@@ -42,8 +43,16 @@ impl ViewerState {
                 *self.stage_mut(stage) = StageState::Running { fraction: fraction.max(0.0).min(1.0), note };
                 Vec::new()
             }
+            Update::Mapping { fraction, note, .. } => {
+                self.map_progress(fraction, note);
+                Vec::new()
+            }
             Update::Done { elapsed_ms, output, .. } => {
-                let stage = self.outputs.put(revision, *output);
+                let output = match *output {
+                    Output::Map(built) => return self.map_built(elapsed_ms, *built),
+                    output => output,
+                };
+                let stage = self.outputs.put(revision, output);
                 self.outputs_version += 1;
                 let Some(stage) = stage else { return Vec::new() };
                 *self.stage_mut(stage) = StageState::Done { elapsed_ms };

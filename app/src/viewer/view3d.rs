@@ -12,7 +12,8 @@ use super::layout::Layout;
 use super::region_drag::RegionDrag;
 use super::theme::{SECONDARY, Tokens, font};
 use super::{
-    Command, GraspCommand, HandoverCommand, NamedView, Pick, Picture, Studio, Tone, ViewKey, ViewerState, legends,
+    Command, GraspCommand, HandoverCommand, NamedView, Pick, Picture, ReachCommand, Studio, Tone, ViewKey, ViewerState,
+    legends,
 };
 use crate::render::{Bounds, BoundsCache, Camera, Named, Picker, Quality, Renderer, Target, Theme, View};
 
@@ -375,7 +376,7 @@ impl View3d {
         let grasp = if let Pick::Grasp(id) = pick { Some(id) } else { None };
         let cluster = match pick {
             Pick::Cluster(cluster) | Pick::Part { cluster, .. } => Some(cluster as usize),
-            Pick::Grasp(_) | Pick::Place(_) | Pick::Robot | Pick::Nothing => None,
+            Pick::Grasp(_) | Pick::Place(_) | Pick::Voxel { .. } | Pick::Robot | Pick::Nothing => None,
         };
         let place = if let Pick::Place(index) = pick { Some(index as usize) } else { None };
         if state.planning.hovered_place != place {
@@ -400,6 +401,9 @@ impl View3d {
                 }
                 Pick::Place(index) => {
                     commands.push(Command::Handover(HandoverCommand::ShowPlace(Some(index as usize))));
+                }
+                Pick::Voxel { arm, voxel } => {
+                    commands.push(Command::Reach(ReachCommand::Select { arm: arm as usize, voxel }));
                 }
                 Pick::Robot | Pick::Nothing => {}
             }

@@ -47,6 +47,7 @@ pub(super) struct Choice {
 pub(super) type Cost<'a> = dyn Fn(&[f64]) -> Option<Comfort> + Sync + 'a;
 
 /// Places in the order of their score, and how many voxels both reach.
+#[derive(Default)]
 pub(super) struct Choices {
     pub(super) choices: Vec<Choice>,
     pub(super) voxels: usize,

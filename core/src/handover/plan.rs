@@ -18,6 +18,9 @@ use crate::watch::Watch;
 /// Configurations of the receiver's arm that are tried at one place.
 const TRIED_POSTURES: usize = 2;
 
+/// Shares of the wanted threshold with which places are looked for until there is a plan.
+const THRESHOLD_SHARES: [f64; 3] = [1.0, 0.5, 0.1];
+
 /// What is asked for.
 pub struct HandoverTask<'a> {
     /// Both arms on one robot; the giver's workcell has the object at its start, the receiver's has its goal as the last
@@ -71,61 +74,93 @@ pub fn plan_handover(task: &HandoverTask<'_>, watch: Watch<'_>) -> Result<Plan, 
     // Without a goal the object is drawn to the receiver.
     let towards = || Isometry3::from_parts(Translation3::from(take.shoulder().coords), giver.X_WO_start.rotation);
     let way = Way { X_WO_start: giver.X_WO_start, X_WO_goal: goal.unwrap_or_else(towards) };
-    let found = choose(&give, &take, &way, task.choice, task.motion, (task.handle, task.cost), &|| watch.should_stop());
-    if watch.should_stop() {
-        return Err(Refusal::new("stopped"));
-    }
-    if found.choices.is_empty() {
-        return Err(no_place(&give, &take, &found));
-    }
-    let mut refused: Vec<Option<String>> = vec![None; found.choices.len()];
+    let sides = Sides { task, give, take };
     let mut tries: Vec<Try> = Vec::new();
-    for (index, choice) in found.choices.iter().enumerate().take(task.motion.max_grasps) {
-        for q_take in choice.q[1].iter().take(TRIED_POSTURES) {
-            if watch.should_stop() {
-                return Err(Refusal::new("stopped"));
-            }
-            let exchange = Exchange {
-                partners: task.partners,
-                give: &give.candidates[choice.candidates[0]].grasp,
-                take: &take.candidates[choice.candidates[1]].grasp,
-                X_WO: choice.X_WO,
-                q_give: &choice.q[0],
-                q_take,
-                lets_go: task.lets_go,
-                hand_speed_m_s: task.choice.hand_speed_m_s,
-                seed: task.seed,
-            };
-            match plan_exchange(&exchange, task.motion, watch) {
-                Ok(mut plan) => {
-                    certify(&mut plan, &|plan, phase| Cow::Owned(task.partners.during(plan, phase)))?;
-                    plan.tries = tries;
-                    let places = found.choices.iter().zip(refused);
-                    let places = places.map(|(choice, refused)| place(choice, [&give, &take], refused)).collect();
-                    plan.handover = Some(Box::new(HandoverReport {
-                        arms: [&give, &take].map(|side| side.cell.arm().name.clone()),
-                        shoulders: [give.shoulder(), take.shoulder()],
-                        voxel_m: task.maps[1].voxel_m(),
-                        grasps: [give.candidates.len(), take.candidates.len()],
-                        voxels: found.voxels,
-                        places,
-                        chosen: index,
-                    }));
-                    return Ok(plan);
+    let mut least: Option<Choices> = None;
+    // Where the best voxels have no place, less good ones may.
+    for share in THRESHOLD_SHARES {
+        let choice = PlaceChoice { threshold: share * task.choice.threshold, ..*task.choice };
+        let should_stop = || watch.should_stop();
+        let rules = (task.handle, task.cost);
+        let found = choose(&sides.give, &sides.take, &way, &choice, task.motion, rules, &should_stop);
+        if let Some(plan) = sides.plan_at(&found, &mut tries, watch)? {
+            return Ok(plan);
+        }
+        least = Some(found);
+    }
+    Err(sides.refusal(&least.unwrap_or_default(), tries))
+}
+
+/// Both sides and what is asked of them.
+struct Sides<'a> {
+    task: &'a HandoverTask<'a>,
+    give: Side<'a>,
+    take: Side<'a>,
+}
+
+impl Sides<'_> {
+    /// A plan at the first of the places that allows one; what fails is added to the tries.
+    fn plan_at(&self, found: &Choices, tries: &mut Vec<Try>, watch: Watch<'_>) -> Result<Option<Plan>, Refusal> {
+        let Self { task, give, take } = self;
+        let mut refused: Vec<Option<String>> = vec![None; found.choices.len()];
+        for (index, choice) in found.choices.iter().enumerate().take(task.motion.max_grasps) {
+            for q_take in choice.q[1].iter().take(TRIED_POSTURES) {
+                if watch.should_stop() {
+                    return Err(Refusal::new("stopped"));
                 }
-                Err(failure) => {
-                    let Failure { leg, tried } = *failure;
-                    let who = [giver, receiver][leg].arm().name.clone();
-                    refused[index].get_or_insert_with(|| format!("{who}: {tried}"));
-                    tries.push(Try { arm: Some(who), X_WO: Some(choice.X_WO), ..tried });
+                let exchange = Exchange {
+                    partners: task.partners,
+                    give: &give.candidates[choice.candidates[0]].grasp,
+                    take: &take.candidates[choice.candidates[1]].grasp,
+                    X_WO: choice.X_WO,
+                    q_give: &choice.q[0],
+                    q_take,
+                    lets_go: task.lets_go,
+                    hand_speed_m_s: task.choice.hand_speed_m_s,
+                    seed: task.seed,
+                };
+                match plan_exchange(&exchange, task.motion, watch) {
+                    Ok(mut plan) => {
+                        certify(&mut plan, &|plan, phase| Cow::Owned(task.partners.during(plan, phase)))?;
+                        plan.tries = std::mem::take(tries);
+                        plan.handover = Some(Box::new(self.report(found, refused, index)));
+                        return Ok(Some(plan));
+                    }
+                    Err(failure) => {
+                        let Failure { leg, tried } = *failure;
+                        let who = [give, take][leg].cell.arm().name.clone();
+                        refused[index].get_or_insert_with(|| format!("{who}: {tried}"));
+                        tries.push(Try { arm: Some(who), X_WO: Some(choice.X_WO), ..tried });
+                    }
                 }
             }
         }
+        Ok(None)
     }
-    let count = refused.iter().flatten().count();
-    let message = format!("no handover: {count} of {} places tried, none of them worked", found.choices.len());
-    let details = tries.iter().map(|tried| format!("{}: {tried}", tried.arm.as_deref().unwrap_or_default())).collect();
-    Err(Refusal { message, details, tries })
+
+    fn report(&self, found: &Choices, refused: Vec<Option<String>>, chosen: usize) -> HandoverReport {
+        let sides = [&self.give, &self.take];
+        let places = found.choices.iter().zip(refused);
+        HandoverReport {
+            arms: sides.map(|side| side.cell.arm().name.clone()),
+            shoulders: sides.map(Side::shoulder),
+            voxel_m: self.task.maps[1].voxel_m(),
+            grasps: sides.map(|side| side.candidates.len()),
+            voxels: found.voxels,
+            places: places.map(|(choice, refused)| place(choice, sides, refused)).collect(),
+            chosen,
+        }
+    }
+
+    fn refusal(&self, found: &Choices, tries: Vec<Try>) -> Refusal {
+        if tries.is_empty() {
+            return no_place(&self.give, &self.take, found);
+        }
+        let plural = if tries.len() == 1 { "try" } else { "tries" };
+        let message = format!("no handover: {} {plural}, none of them worked", tries.len());
+        let told = |tried: &Try| format!("{}: {tried}", tried.arm.as_deref().unwrap_or_default());
+        Refusal { message, details: tries.iter().map(told).collect(), tries }
+    }
 }
 
 fn place(choice: &Choice, sides: [&Side<'_>; 2], refused: Option<String>) -> Place {

@@ -135,13 +135,14 @@ impl HandoverInput<'_> {
         Ok((Partners { giver, receiver }, grasps))
     }
 
-    /// Plans it.
+    /// Plans it; also the two arms.
     ///
     /// # Errors
     /// The [`Refusal`] of [`plan_handover`].
-    pub(crate) fn plan(&self, watch: Watch<'_>) -> Result<Plan, Refusal> {
+    pub(crate) fn plan(&self, watch: Watch<'_>) -> Result<(Plan, Partners), Refusal> {
         let (partners, receiver_grasps) = self.partners()?;
-        self.plan_between(&partners, &receiver_grasps, watch)
+        let plan = self.plan_between(&partners, &receiver_grasps, watch)?;
+        Ok((plan, partners))
     }
 
     /// How many grasps of each arm serve the object's start, and its goal.
@@ -180,9 +181,14 @@ impl HandoverInput<'_> {
         let giver_map = map_of(self.library, &self.scene.robot, &partners.giver.arm().name)?;
         // Both hands of one robot: the middle between start and goal decides, not who is more comfortable (6.1).
         let is_own = self.handover.receiver == Receiver::OtherHand;
-        let choice = PlaceChoice { receiver_first: choice.receiver_first && !is_own, ..*choice };
+        let is_person = model == PERSON;
+        let choice = PlaceChoice {
+            receiver_first: choice.receiver_first && !is_own,
+            hand_speed_m_s: if is_person { choice.hand_speed_m_s } else { f64::INFINITY },
+            ..*choice
+        };
         let receiver = &partners.receiver;
-        let person = (model == PERSON).then(|| ReceiverArm::of(&receiver.robot, receiver.arm())).flatten();
+        let person = is_person.then(|| ReceiverArm::of(&receiver.robot, receiver.arm())).flatten();
         let task = HandoverTask {
             partners,
             grasps: [self.grasps, receiver_grasps],

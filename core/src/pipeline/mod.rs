@@ -7,6 +7,7 @@ mod goal;
 mod handover;
 mod lab;
 mod legs;
+mod map;
 mod memory;
 mod perceive;
 mod rank;

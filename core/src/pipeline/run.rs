@@ -5,13 +5,13 @@ use std::sync::Arc;
 use super::handover::HandoverInput;
 use super::legs::TaskInput;
 use super::memory::{Memory, text};
-use super::{handover, lab, perceive, rank};
+use super::{handover, lab, map, perceive, rank};
 use crate::grasp::{Grasp, RankBy};
 use crate::job::{
     FitOutput, GraspsOutput, Output, RankOutput, Refusal, Request, SceneOutput, SegmentOutput, Stage, Update,
 };
 use crate::library::Library;
-use crate::task::{Plan, Workcell};
+use crate::task::{Partners, Plan, Workcell};
 use crate::watch::Watch;
 
 /// Runs requests and remembers what each stage gave last.
@@ -24,7 +24,7 @@ pub struct Pipeline {
     shaped: Memory<FitOutput>,
     grasps: Memory<(Workcell, Vec<Grasp>)>,
     rank: Memory<Vec<Grasp>>,
-    plan: Memory<Plan>,
+    plan: Memory<(Plan, Option<Partners>)>,
 }
 
 impl Pipeline {
@@ -45,10 +45,15 @@ impl Pipeline {
     /// Runs a request to its last stage and tells `emit` what happens, ending with [`Update::Finished`].
     ///
     /// The answer depends on the request alone. Times are read from the watch's clock.
-    pub fn run(&mut self, request: &Request, watch: &Watch<'_>, emit: &mut dyn FnMut(Update)) {
+    pub fn run(&mut self, request: &Request, watch: &Watch<'_>, emit: &mut (dyn FnMut(Update) + Send)) {
         let revision = request.revision;
         if let Some(cluster) = request.compare {
             self.compare(request, cluster, *watch, emit);
+            emit(Update::Finished { revision });
+            return;
+        }
+        if let Some(wanted) = &request.map {
+            map::build(&request.scene, wanted, revision, &self.library, *watch, emit);
             emit(Update::Finished { revision });
             return;
         }
@@ -78,7 +83,7 @@ impl Pipeline {
     }
 
     /// What takes too long to wait for before a plan.
-    fn tell_qualities(&mut self, request: &Request, watch: Watch<'_>, emit: &mut dyn FnMut(Update)) {
+    fn tell_qualities(&mut self, request: &Request, watch: Watch<'_>, emit: &mut (dyn FnMut(Update) + Send)) {
         let scene = &request.scene;
         let fits = if request.shape.is_some() { self.shaped.last() } else { self.fit.last() };
         let (Some((cell, _)), Some(grasps), Some(fits)) = (self.grasps.last(), self.rank.last(), fits) else { return };
@@ -93,7 +98,7 @@ impl Pipeline {
     }
 
     /// Fits a cluster with each objective, all other settings as they are.
-    fn compare(&mut self, request: &Request, cluster: usize, watch: Watch<'_>, emit: &mut dyn FnMut(Update)) {
+    fn compare(&mut self, request: &Request, cluster: usize, watch: Watch<'_>, emit: &mut (dyn FnMut(Update) + Send)) {
         let revision = request.revision;
         if let Err(refusal) = self.stage(request, Stage::Segment, watch) {
             emit(Update::Refused { revision, stage: Stage::Segment, refusal });
@@ -108,6 +113,16 @@ impl Pipeline {
     /// Robot, obstacles and object of the last request that came as far as grasps.
     pub fn workcell(&self) -> Option<&Workcell> {
         self.grasps.last().map(|(cell, _)| cell)
+    }
+
+    /// The workcell in which a phase of the last plan happens: of the arm that moves then, everything else being where it
+    /// is then.
+    pub fn workcell_during(&self, phase: usize) -> Option<Workcell> {
+        let (plan, partners) = self.plan.last()?;
+        match partners {
+            Some(partners) => Some(partners.during(plan, phase)),
+            None => self.workcell().cloned(),
+        }
     }
 
     /// The output of one stage; earlier stages are in memory already or are computed now.
@@ -191,7 +206,7 @@ impl Pipeline {
         }
 
         inputs.push(text(&(&scene.motion, request.grasp)));
-        let plan = self.plan.get(inputs, || {
+        let (plan, _) = self.plan.get(inputs, || {
             let Some(Ok(target)) = fits.fits.get(fits.target) else { return Err(rank::no_fit()) };
             let points = &segments.clusters[fits.target];
             let touched = || rank::touched(scene, target, points, dropped.is_some(), library);
@@ -201,9 +216,11 @@ impl Pipeline {
                 let is_dropped = dropped.is_some();
                 let (giver, grasps, touched) = (cell, grasps.as_slice(), &touched);
                 let input = HandoverInput { giver, grasps, target, touched, scene, handover, library, is_dropped };
-                return input.plan(watch);
+                return input.plan(watch).map(|(plan, partners)| (plan, Some(partners)));
             }
-            TaskInput { cell, ranked, chosen: request.grasp, target, touched: &touched, scene, watch }.plan()
+            TaskInput { cell, ranked, chosen: request.grasp, target, touched: &touched, scene, watch }
+                .plan()
+                .map(|plan| (plan, None))
         })?;
         Ok(Output::Plan(Box::new(plan.clone())))
     }

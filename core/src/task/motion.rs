@@ -128,8 +128,12 @@ impl Mover<'_> {
         let mut scratch = Scratch::default();
         let mut nearest = Clearance { distance_m: f64::INFINITY, a: String::new(), b: String::new() };
         let mut clearance_m = Vec::with_capacity(trajectory.positions.len());
+        let mut most_m = f64::INFINITY;
+        let mut last: Option<&Vec<f64>> = None;
         for q in &trajectory.positions {
-            let clearance = plain.checker.distance(&mut scratch, q);
+            let grown_m = last.map_or(f64::INFINITY, |last| 2.0 * plain.checker.displacement_m(last, q));
+            let clearance = plain.checker.distance_within(&mut scratch, q, most_m + grown_m + 1e-9);
+            (most_m, last) = (clearance.distance_m, Some(q));
             clearance_m.push(clearance.distance_m);
             if clearance.distance_m < nearest.distance_m {
                 nearest = clearance;

@@ -3,7 +3,7 @@
 use egui::Ui;
 use endcomfort_core::job::Stage;
 
-use super::{Out, fit, grasps, plan, play, scene, segment};
+use super::{Out, fit, grasps, plan, play, reach, scene, segment};
 use crate::viewer::ViewerState;
 use crate::viewer::state::{StageState, Step};
 use crate::viewer::theme::{SECONDARY, Tokens};
@@ -14,34 +14,37 @@ const SCROLL_BAR: f32 = 11.0;
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     ui.spacing_mut().item_spacing.y = 2.0;
+    if state.reaching.is_open {
+        return scrolled(ui, ("Inspector", "Reachability"), |ui| reach::draw(ui, state, out));
+    }
     match state.selection.step {
         // The two with a table share out the height themselves.
         Step::Stage(stage @ (Stage::Grasps | Stage::Rank)) if !is_refused(state, stage) => {
             grasps::draw(ui, state, stage, out);
         }
-        step => {
-            // The bar stands in the panel's margin, beside the numbers and not over them.
-            let (inside, width) = (ui.available_rect_before_wrap(), ui.available_width());
-            let beside = inside.with_max_x(inside.right() + SCROLL_BAR);
-            let mut ui = ui.new_child(egui::UiBuilder::new().max_rect(beside));
-            let area = egui::ScrollArea::vertical().id_salt(("Inspector", step.title())).auto_shrink(false);
-            area.show(&mut ui, |ui| {
-                ui.set_max_width(width);
-                match step {
-                    Step::Stage(stage) if is_refused(state, stage) && stage != Stage::Plan => {
-                        refused(ui, state, stage, out)
-                    }
-                    Step::Stage(Stage::Scene) => scene::draw(ui, state, out),
-                    Step::Stage(Stage::Segment) => segment::draw(ui, state, out),
-                    Step::Stage(Stage::Fit) => fit::draw(ui, state, out),
-                    Step::Stage(Stage::Plan) => plan::draw(ui, state, out),
-                    Step::Stage(Stage::Grasps | Stage::Rank) => {}
-                    Step::Play => play::draw(ui, state, out),
-                }
-                ui.add_space(8.0);
-            });
-        }
+        step => scrolled(ui, ("Inspector", step.title()), |ui| match step {
+            Step::Stage(stage) if is_refused(state, stage) && stage != Stage::Plan => refused(ui, state, stage, out),
+            Step::Stage(Stage::Scene) => scene::draw(ui, state, out),
+            Step::Stage(Stage::Segment) => segment::draw(ui, state, out),
+            Step::Stage(Stage::Fit) => fit::draw(ui, state, out),
+            Step::Stage(Stage::Plan) => plan::draw(ui, state, out),
+            Step::Stage(Stage::Grasps | Stage::Rank) => {}
+            Step::Play => play::draw(ui, state, out),
+        }),
     }
+}
+
+/// Draws a page that scrolls; the bar stands in the panel's margin, beside the numbers and not over them.
+fn scrolled(ui: &mut Ui, id: (&str, &str), draw: impl FnOnce(&mut Ui)) {
+    let (inside, width) = (ui.available_rect_before_wrap(), ui.available_width());
+    let beside = inside.with_max_x(inside.right() + SCROLL_BAR);
+    let mut ui = ui.new_child(egui::UiBuilder::new().max_rect(beside));
+    let area = egui::ScrollArea::vertical().id_salt(id).auto_shrink(false);
+    area.show(&mut ui, |ui| {
+        ui.set_max_width(width);
+        draw(ui);
+        ui.add_space(8.0);
+    });
 }
 
 fn is_refused(state: &ViewerState, stage: Stage) -> bool {

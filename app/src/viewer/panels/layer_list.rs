@@ -7,11 +7,11 @@ use super::Out;
 use crate::viewer::format;
 use crate::viewer::icons::{self, Icon};
 use crate::viewer::theme::{BODY, SECONDARY, SMALL_RADIUS, Tokens, font};
-use crate::viewer::widgets::{focus_ring, section, text_in};
-use crate::viewer::{Command, Layer, ViewerState};
+use crate::viewer::widgets::{focus_ring, icon_button_at, section, text_in};
+use crate::viewer::{Command, Layer, ReachCommand, ViewerState};
 
 /// Height of a row where there is room for it, and where there is little, points.
-const ROW: [f32; 2] = [25.0, 18.5];
+const ROW: [f32; 2] = [25.0, 17.2];
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     ui.add_space(4.0);
@@ -39,11 +39,17 @@ fn row(ui: &mut Ui, state: &ViewerState, layer: Layer, height: f32, out: &mut Ou
     let color = color(layer, tokens);
     ui.painter().rect_filled(swatch, 2.5, if view.visible { color } else { color.gamma_multiply(0.35) });
     let eye = Rect::from_center_size(pos2(rect.right() - 9.0, rect.center().y), vec2(24.0, height.min(22.0)));
-    let opacity = Rect::from_min_max(pos2(eye.left() - 46.0, rect.top()), pos2(eye.left() - 2.0, rect.bottom()));
+    let settings = eye.translate(vec2(-eye.width(), 0.0));
+    let right = if layer == Layer::Reach { settings.left() } else { eye.left() };
+    let opacity = Rect::from_min_max(pos2(right - 46.0, rect.top()), pos2(right - 2.0, rect.bottom()));
     let text = Rect::from_min_max(pos2(rect.left() + 17.0, rect.top()), pos2(opacity.left() - 2.0, rect.bottom()));
     let label = label(state, layer);
     let ink = if view.visible { tokens.text } else { tokens.secondary };
     let _text = text_in(ui, text, Align::Min, &label, font(BODY), ink);
+    if layer == Layer::Reach && icon_button_at(ui, settings, Icon::Sliders, "Reachability settings", true).clicked() {
+        let command = if state.reaching.is_open { ReachCommand::Close } else { ReachCommand::Open };
+        out.push(Command::Reach(command));
+    }
     let lit = row.contains_pointer();
     opacity_of(ui, opacity, layer, view.visible && (lit || view.opacity < 0.995), state, out);
 
@@ -98,6 +104,7 @@ fn color(layer: Layer, tokens: &Tokens) -> Color32 {
         Layer::Ghosts => tokens.blue.lerp_to_gamma(tokens.slate, 0.4),
         Layer::Swept => tokens.blue.lerp_to_gamma(tokens.violet, 0.5),
         Layer::Handover => tokens.violet.lerp_to_gamma(tokens.coral, 0.5),
+        Layer::Reach => tokens.teal.lerp_to_gamma(tokens.amber, 0.6),
         Layer::Grasps => tokens.violet,
         Layer::Rejected => tokens.coral,
         Layer::Contacts => tokens.slate.lerp_to_gamma(tokens.text, 0.6),
@@ -128,6 +135,6 @@ fn label(state: &ViewerState, layer: Layer) -> String {
         }
         Layer::Handover => counted(state.handover_report().map(|report| report.places.len())),
         Layer::Ghosts => counted(Some(state.planning.ghosts)),
-        Layer::Fits | Layer::Goal | Layer::Path | Layer::Swept => layer.title().to_owned(),
+        Layer::Fits | Layer::Goal | Layer::Path | Layer::Swept | Layer::Reach => layer.title().to_owned(),
     }
 }

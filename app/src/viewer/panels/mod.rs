@@ -11,6 +11,7 @@ mod layer_list;
 mod plan;
 mod play;
 mod presentation;
+mod reach;
 mod scene;
 mod segment;
 mod stepper;

@@ -11,7 +11,7 @@ use crate::viewer::layout::Layout;
 use crate::viewer::state::Step;
 use crate::viewer::theme::{SECONDARY, Tokens};
 use crate::viewer::widgets::{key_value, paragraph, secondary_button, section, segmented};
-use crate::viewer::{Command, PlanCommand, PlanPage, ViewerState, format};
+use crate::viewer::{Command, PlanCommand, PlanPage, ReachCommand, ViewerState, format};
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     let tokens = Tokens::of(ui);
@@ -57,10 +57,16 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         None => ("Edit the task", PlanPage::Task),
         Some(_) => ("Edit the handover", PlanPage::Handover),
     };
-    if secondary_button(ui, words, true).clicked() {
-        out.push(Command::SelectStep(Step::Stage(Stage::Plan)));
-        out.push(Command::Planning(PlanCommand::Page(page)));
-    }
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 8.0;
+        if secondary_button(ui, words, true).clicked() {
+            out.push(Command::SelectStep(Step::Stage(Stage::Plan)));
+            out.push(Command::Planning(PlanCommand::Page(page)));
+        }
+        if secondary_button(ui, "What the arms reach", true).clicked() {
+            out.push(Command::Reach(ReachCommand::Open));
+        }
+    });
 
     if state.document.cloud.is_none() {
         section(ui, "Objects");

@@ -14,7 +14,9 @@ use crate::assets;
 use crate::studio::BuiltInStudio;
 use crate::viewer::state::Step;
 use crate::viewer::view3d::View3d;
-use crate::viewer::{Command, Document, Effect, LabCommand, Studio as _, ViewerState, draw_panels, theme};
+use crate::viewer::{
+    Command, Document, Effect, LabCommand, ReachCommand, Studio as _, ViewerState, draw_panels, theme,
+};
 
 /// The interface with a worker that answers at once.
 pub(super) struct Bench {
@@ -57,10 +59,19 @@ impl Bench {
 
     pub(super) fn carry_out(&mut self, effects: Vec<Effect>) {
         for effect in effects {
-            let Effect::Run(request) = effect else { continue };
-            for update in self.answers(&request) {
-                let more = self.page.state.receive(update);
-                self.carry_out(more);
+            match effect {
+                Effect::Run(request) => {
+                    for update in self.answers(&request) {
+                        let more = self.page.state.receive(update);
+                        self.carry_out(more);
+                    }
+                }
+                Effect::FetchMap(path) => {
+                    let file = assets::read(&format!("robots/{path}"));
+                    let file = file.map(<[u8]>::to_vec).ok_or_else(|| "the server answers 404".to_owned());
+                    self.apply(Command::Reach(ReachCommand::Arrived { path, file }));
+                }
+                _ => {}
             }
         }
     }

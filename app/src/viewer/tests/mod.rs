@@ -8,6 +8,7 @@ mod invented;
 mod lab;
 mod pictures;
 mod plans;
+mod reach;
 mod tasks;
 mod view;
 

@@ -20,7 +20,7 @@ pub(super) fn draw(ui: &mut Ui, distances_m: &[f64]) {
     sizes.sort_by(f64::total_cmp);
     let share = |part: f64| sizes[((sizes.len() as f64 * part) as usize).min(sizes.len() - 1)];
     let end_m = share(0.99).max(1e-6);
-    let scale = Scale { map: ColorMap::Diverging, min: -end_m, max: end_m };
+    let scale = Scale { map: ColorMap::Diverging, min: -end_m, max: end_m, is_log: false };
     let mut counts = [0_usize; BARS];
     for d in distances_m.iter().filter(|d| d.is_finite()) {
         let u = (d / end_m + 1.0) / 2.0;
