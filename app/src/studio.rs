@@ -261,7 +261,8 @@ fn workspace(input: &ComposeInput<'_>) -> Bounds {
     Bounds { min: Point3::new(-0.10, -0.48, height_m - 0.06), max: Point3::new(0.70, 0.48, height_m + 0.72) }
 }
 
-/// Where somebody receives, what has to be seen of both: the corners of the workspace, and points about the receiver.
+/// Where somebody receives, what has to be seen of both: the corners of the workspace, points about the receiver and
+/// its furniture.
 fn outline(input: &ComposeInput<'_>, robot: &Robot, workspace: &Bounds) -> Vec<Point3<f64>> {
     let Some(agent) = input.scene.handover.as_ref().and_then(Handover::agent) else { return Vec::new() };
     let mut points = workspace.corners().to_vec();
@@ -272,6 +273,11 @@ fn outline(input: &ComposeInput<'_>, robot: &Robot, workspace: &Bounds) -> Vec<P
         let p_WL = Point3::from(X_WL.translation.vector);
         let about = |side: Vector3<f64>| [p_WL - BODY_M * side, p_WL + BODY_M * side];
         points.extend([Vector3::x(), Vector3::y(), Vector3::z()].into_iter().flat_map(about));
+    }
+    for piece in agent.furniture_W() {
+        let half = 0.5 * piece.size_m;
+        let own = Bounds { min: (-half).into(), max: half.into() };
+        points.extend(own.corners().map(|corner| piece.X_WB * corner));
     }
     points
 }
