@@ -89,8 +89,8 @@ pub struct Composer {
     cloud: Option<CloudCache>,
     glyphs: Option<grasps::Glyphs>,
     motion: Option<motion::Motion>,
-    reach: reach::Drawn,
     marks: Option<handover::Marks>,
+    reach: reach::Drawn,
 }
 
 /// Address and number of the points, whether they are segmented, the cluster that is not seen, whether the others are
@@ -126,8 +126,8 @@ impl Composer {
         self.add_grasps(&mut frame, input, &palette);
         grasps::add_filter(&mut frame, input, &palette);
         self.add_motion(&mut frame, input, &palette);
-        self.add_reach(&mut frame, input, &palette);
         self.add_handover(&mut frame, input, &palette);
+        self.add_reach(&mut frame, input, &palette);
         frame
     }
 

@@ -127,7 +127,7 @@ impl Studio for BuiltInStudio {
             let scale = Scale { min: per_si * scale.min, max: per_si * scale.max, ..scale };
             ScaleBar { title: content.colored_by.title().to_owned(), unit, scale }
         });
-        let object_W = content.X_WO.map(|X_WO| X_WO.translation.vector.into());
+        let object_W = object_W(&content);
         let bounds = workspace(input);
         let outline = outline(input, &robot, &bounds);
         let bounds = Some(bounds);
@@ -171,10 +171,19 @@ impl BuiltInStudio {
             ReachArms::Overlap => "Reachability, overlap of both arms",
         };
         let legend = Some(Legend { title: title.to_owned(), rows });
-        let bounds = around.filter(|_| input.reaching.is_open).or_else(|| Some(workspace(input)));
-        let (labels, scale) = (labels(input, content), (count > 0).then_some(bar));
-        Picture { frame, labels, scale, legend, bounds, ..Picture::default() }
+        let (bounds, outline) = match around.filter(|_| input.reaching.is_open) {
+            Some(around) => (around, Vec::new()),
+            None => (workspace(input), outline(input, content.robot, &workspace(input))),
+        };
+        let (labels, bounds) = (labels(input, content), Some(bounds));
+        let scale = (count > 0).then_some(bar);
+        Picture { frame, labels, scale, legend, bounds, outline, object_W: object_W(content) }
     }
+}
+
+/// Where the object is that the task is about.
+fn object_W(content: &Content<'_>) -> Option<Point3<f64>> {
+    content.X_WO.map(|X_WO| X_WO.translation.vector.into())
 }
 
 /// The maps that are shown.
@@ -252,7 +261,8 @@ fn workspace(input: &ComposeInput<'_>) -> Bounds {
     Bounds { min: Point3::new(-0.10, -0.48, height_m - 0.06), max: Point3::new(0.70, 0.48, height_m + 0.72) }
 }
 
-/// Where somebody receives, what has to be seen of both: the corners of the workspace, and points about the receiver.
+/// Where somebody receives, what has to be seen of both: the corners of the workspace, points about the receiver and
+/// its furniture.
 fn outline(input: &ComposeInput<'_>, robot: &Robot, workspace: &Bounds) -> Vec<Point3<f64>> {
     let Some(agent) = input.scene.handover.as_ref().and_then(Handover::agent) else { return Vec::new() };
     let mut points = workspace.corners().to_vec();
@@ -263,6 +273,11 @@ fn outline(input: &ComposeInput<'_>, robot: &Robot, workspace: &Bounds) -> Vec<P
         let p_WL = Point3::from(X_WL.translation.vector);
         let about = |side: Vector3<f64>| [p_WL - BODY_M * side, p_WL + BODY_M * side];
         points.extend([Vector3::x(), Vector3::y(), Vector3::z()].into_iter().flat_map(about));
+    }
+    for piece in agent.furniture_W() {
+        let half = 0.5 * piece.size_m;
+        let own = Bounds { min: (-half).into(), max: half.into() };
+        points.extend(own.corners().map(|corner| piece.X_WB * corner));
     }
     points
 }

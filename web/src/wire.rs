@@ -76,7 +76,6 @@ mod tests {
             rank: Default::default(),
             motion: Default::default(),
             torso: false,
-            handover: None,
             hand: None,
         }
     }

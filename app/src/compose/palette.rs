@@ -47,12 +47,12 @@ pub struct Palette {
     pub kept: [f32; 4],
     /// The space that the arm sweeps.
     pub swept: [f32; 4],
+    /// Where an object changes hands.
+    pub handover: [f32; 4],
     /// The chosen voxel, and the hand that the robot shows there.
     pub chosen: [f32; 4],
     /// The other hands that reach it.
     pub other_hands: [f32; 4],
-    /// Where an object changes hands.
-    pub handover: [f32; 4],
     /// What stood in the way.
     pub culprit: [f32; 4],
     /// Routes of the hand.
@@ -100,9 +100,9 @@ impl Palette {
                 stale: rgba(0x8a96a3, 0.55),
                 kept: rgba(0xe7eaed, 0.85),
                 swept: rgb(0x8ca0ff),
+                handover: rgb(0xd67fb0),
                 chosen: rgb(0xff8a3d),
                 other_hands: rgba(0xe7eaed, 0.75),
-                handover: rgb(0xd67fb0),
                 culprit: rgb(0xee6a5c),
                 routes: [rgb(0xf0b34a), rgb(0x6ca9ff), rgb(0xb08cff), rgb(0x3ec6b0), rgb(0xe58fc0), rgb(0x8fd36b)],
                 shell: rgb(0xd4d6d6),
@@ -135,9 +135,9 @@ impl Palette {
                 stale: rgba(0x69737d, 0.55),
                 kept: rgba(0x1d2329, 0.85),
                 swept: rgb(0x5566d6),
+                handover: rgb(0xa84f88),
                 chosen: rgb(0xd2560a),
                 other_hands: rgba(0x2b3138, 0.75),
-                handover: rgb(0xa84f88),
                 culprit: rgb(0xd2483a),
                 routes: [rgb(0xc98208), rgb(0x2f74d8), rgb(0x7d56d6), rgb(0x0d9a85), rgb(0xb84d8a), rgb(0x4b9a2f)],
                 shell: rgb(0xe6e7e6),

@@ -175,8 +175,8 @@ impl ViewerState {
             Command::Lab(command) => return self.apply_lab(command),
             Command::Grasping(command) => return self.apply_grasping(command),
             Command::Planning(command) => return self.apply_planning(command),
-            Command::Reach(command) => return self.apply_reach(command),
             Command::Handover(command) => return self.apply_handover(command),
+            Command::Reach(command) => return self.apply_reach(command),
             Command::GraspCluster(cluster) => {
                 return self.edit(|document| {
                     document.cluster = Some(cluster);

@@ -49,8 +49,8 @@ impl ViewerState {
             }
             _ => false,
         };
-        let is_seen = !self.reaching.is_open && self.presentation.is_none();
-        is_open && is_seen && !self.playback.playing && self.shown_try().is_none()
+        let is_free = !self.playback.playing && !self.reaching.is_open && self.shown_try().is_none();
+        is_open && is_free && self.presentation.is_none()
     }
 
     /// Whether somebody works on the task.

@@ -31,9 +31,9 @@ pub(super) enum Icon {
     Note,
     File,
     Save,
-    Sliders,
     Follow,
     Present,
+    Sliders,
 }
 
 /// Draws an icon in a square of `size` points around `centre`.
@@ -147,12 +147,6 @@ pub(super) fn paint(painter: &Painter, icon: Icon, centre: Pos2, size: f32, colo
             pen.line(&[(4.8, 7.0), (8.0, 10.2), (11.2, 7.0)]);
             pen.line(&[(2.5, 10.5), (2.5, 13.5), (13.5, 13.5), (13.5, 10.5)]);
         }
-        Icon::Sliders => {
-            for (y, x) in [(3.5, 10.5), (8.0, 5.0), (12.5, 9.0)] {
-                pen.line(&[(2.0, y), (14.0, y)]);
-                pen.disc((x, y), 2.1);
-            }
-        }
         Icon::Follow => {
             pen.ring((8.0, 8.0), 4.4);
             pen.disc((8.0, 8.0), 1.6);
@@ -164,6 +158,12 @@ pub(super) fn paint(painter: &Painter, icon: Icon, centre: Pos2, size: f32, colo
             pen.closed(&[(1.8, 2.6), (14.2, 2.6), (14.2, 10.8), (1.8, 10.8)]);
             pen.line(&[(8.0, 10.8), (8.0, 13.6)]);
             pen.line(&[(4.6, 13.8), (11.4, 13.8)]);
+        }
+        Icon::Sliders => {
+            for (y, x) in [(3.5, 10.5), (8.0, 5.0), (12.5, 9.0)] {
+                pen.line(&[(2.0, y), (14.0, y)]);
+                pen.disc((x, y), 2.1);
+            }
         }
         Icon::File => {
             pen.closed(&[(3.5, 1.8), (9.5, 1.8), (12.5, 4.8), (12.5, 14.2), (3.5, 14.2)]);

@@ -53,8 +53,8 @@ impl Layer {
             Self::Routes => "Routes",
             Self::Ghosts => "Ghost poses",
             Self::Swept => "Swept volume",
-            Self::Reach => "Reachability",
             Self::Handover => "Handover",
+            Self::Reach => "Reachability",
         }
     }
 }

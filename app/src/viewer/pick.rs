@@ -48,11 +48,11 @@ impl Pick {
                 pack(4, part << Self::PART_SHIFT | cluster)
             }
             Self::Part { .. } => 0,
+            Self::Place(index) => pack(6, index),
             Self::Voxel { arm, voxel } if arm < 2 && voxel < 1 << Self::ARM_SHIFT => {
                 pack(5, arm << Self::ARM_SHIFT | voxel)
             }
             Self::Voxel { .. } => 0,
-            Self::Place(index) => pack(6, index),
         }
     }
 
@@ -64,8 +64,8 @@ impl Pick {
             2 => Self::Cluster(index),
             3 => Self::Grasp(index),
             4 => Self::Part { cluster: index & ((1 << Self::PART_SHIFT) - 1), part: index >> Self::PART_SHIFT },
-            5 => Self::Voxel { arm: index >> Self::ARM_SHIFT, voxel: index & ((1 << Self::ARM_SHIFT) - 1) },
             6 => Self::Place(index),
+            5 => Self::Voxel { arm: index >> Self::ARM_SHIFT, voxel: index & ((1 << Self::ARM_SHIFT) - 1) },
             _ => Self::Nothing,
         }
     }

@@ -399,11 +399,11 @@ impl View3d {
                 Pick::Cluster(cluster) | Pick::Part { cluster, .. } => {
                     commands.push(Command::SelectCluster(cluster as usize));
                 }
-                Pick::Voxel { arm, voxel } => {
-                    commands.push(Command::Reach(ReachCommand::Select { arm: arm as usize, voxel }));
-                }
                 Pick::Place(index) => {
                     commands.push(Command::Handover(HandoverCommand::ShowPlace(Some(index as usize))));
+                }
+                Pick::Voxel { arm, voxel } => {
+                    commands.push(Command::Reach(ReachCommand::Select { arm: arm as usize, voxel }));
                 }
                 Pick::Robot | Pick::Nothing => {}
             }

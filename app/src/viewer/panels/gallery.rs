@@ -9,7 +9,7 @@ use super::Out;
 use crate::viewer::handing::everybody;
 use crate::viewer::icons::Icon;
 use crate::viewer::theme::{BODY, RADIUS, SECONDARY, Tokens, font, strong};
-use crate::viewer::widgets::{focus_ring, icon_button, paragraph, text_in};
+use crate::viewer::widgets::{focus_ring, icon_button, paragraph, secondary_button, text_in};
 use crate::viewer::{Command, Demo, Overlay, ViewerState, format};
 
 const GAP: f32 = 16.0;
@@ -46,12 +46,23 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
                 }
             });
         });
-        ui.add_space(16.0);
-        let most = (window.height() - 220.0).max(180.0);
+        ui.add_space(12.0);
+        let most = (window.height() - 260.0).max(180.0);
         let (handovers, alone): (Vec<&Demo>, Vec<&Demo>) =
             state.demos.iter().partition(|demo| demo.scene.handover.is_some());
         let groups = [("One robot at work", alone), ("From hand to hand", handovers)];
         let groups: Vec<_> = groups.into_iter().filter(|(_, demos)| !demos.is_empty()).collect();
+        let mut jump = None;
+        if groups.len() > 1 {
+            ui.horizontal_wrapped(|ui| {
+                for (index, (title, demos)) in groups.iter().enumerate() {
+                    if secondary_button(ui, &format!("{title} · {}", demos.len()), true).clicked() {
+                        jump = Some(index);
+                    }
+                }
+            });
+            ui.add_space(10.0);
+        }
         // One group needs no heading.
         let heading = if groups.len() > 1 { HEADING } else { 0.0 };
         let rows: usize = groups.iter().map(|(_, demos)| demos.len().div_ceil(columns)).sum();
@@ -61,10 +72,13 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
             ui,
             |ui| {
                 ui.spacing_mut().item_spacing.y = GAP;
-                for (title, demos) in &groups {
+                for (index, (title, demos)) in groups.iter().enumerate() {
                     if heading > 0.0 {
                         let (rect, _) = ui.allocate_exact_size(vec2(width, HEADING - GAP), Sense::hover());
                         let _text = text_in(ui, rect, Align::Min, title, strong(BODY + 1.0), tokens.secondary);
+                        if jump == Some(index) {
+                            ui.scroll_to_rect(rect, Some(Align::TOP));
+                        }
                     }
                     for row in demos.chunks(columns) {
                         ui.horizontal_top(|ui| {

@@ -256,11 +256,23 @@ fn handovers_are_drawn_in_both_themes_and_on_a_phone() {
     harness.state_mut().bench.apply(Command::Present(false));
     harness.state_mut().bench.apply(Command::Show(Overlay::Gallery));
     let _picture = picture(&mut harness, "handover-phone-gallery");
+    let mut harness = window(handed("kneeling"), SMALL, false);
+    let there = agent(&harness.state().bench.page.state);
+    harness.run_steps(40);
+    // On its way: the old plan is grey.
+    let effects = harness.state_mut().bench.page.state.apply(moved(&there, 0.25, 0.4));
+    let _picture = picture(&mut harness, "handover-kneeling-dragged");
+    assert!(harness.state().bench.page.state.is_dragging_goal());
+    harness.state_mut().bench.carry_out(effects);
     let mut bench = handed("stool");
     bench.apply(Command::SelectStep(Step::Stage(Stage::Scene)));
     let mut harness = window(bench, [1440.0, 1400.0], false);
     harness.state_mut().bench.apply(Command::ToggleLayer(Layer::Path));
     let _picture = picture(&mut harness, "handover-stool-scene");
     harness.state_mut().bench.apply(Command::Show(Overlay::Gallery));
+    harness.run_steps(2);
+    harness.get_by_label("From hand to hand · 5").click();
     let _picture = picture(&mut harness, "handover-gallery");
+    let last = harness.get_by_label("Open Crichton hands a hammer to a person");
+    assert!(last.rect().top() < 1300.0, "the handovers have been scrolled to");
 }

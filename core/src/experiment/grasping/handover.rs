@@ -318,7 +318,6 @@ impl Case {
     }
 
     /// The plan, the milliseconds that it took, and both sides.
-    #[expect(clippy::type_complexity, reason = "a plan or why there is none, beside what it is judged with")]
     fn plan(
         &mut self,
         object: &KnownObject,
