@@ -76,6 +76,7 @@ mod tests {
             rank: Default::default(),
             motion: Default::default(),
             torso: false,
+            handover: None,
             hand: None,
         }
     }
