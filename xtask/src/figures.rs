@@ -12,7 +12,7 @@ struct Figure {
     arguments: &'static [&'static str],
 }
 
-const FIGURES: [Figure; 10] = [
+const FIGURES: [Figure; 16] = [
     Figure { path: "objects/scenes/mustard.png", arguments: &["mustard", "--time", "13.5", "--size", "360x240"] },
     Figure { path: "objects/scenes/jar.png", arguments: &["jar", "--time", "9.6", "--size", "360x240"] },
     Figure { path: "objects/scenes/glass.png", arguments: &["glass", "--time", "14", "--size", "360x240"] },
@@ -21,8 +21,32 @@ const FIGURES: [Figure; 10] = [
     Figure { path: "objects/scenes/across.png", arguments: &["across", "--time", "12.5", "--size", "360x240"] },
     Figure { path: "objects/scenes/pour.png", arguments: &["pour", "--time", "33", "--size", "360x240"] },
     Figure { path: "objects/scenes/regrasp.png", arguments: &["regrasp", "--time", "36", "--size", "360x240"] },
+    Figure {
+        path: "objects/scenes/self-handover.png",
+        arguments: &["self-handover", "--time", "29", "--size", "360x240", "--camera", "2.1,-0.2,1.9,0.3,0.0,0.85"],
+    },
+    Figure {
+        path: "objects/scenes/butler.png",
+        arguments: &["butler", "--time", "24", "--size", "360x240", "--camera", "1.9,-0.1,1.75,0.25,-0.62,0.95"],
+    },
+    Figure {
+        path: "objects/scenes/kneeling.png",
+        arguments: &["kneeling", "--time", "26", "--size", "360x240", "--camera", "1.9,-0.1,1.6,0.25,-0.6,0.8"],
+    },
+    Figure {
+        path: "objects/scenes/stool.png",
+        arguments: &["stool", "--time", "22", "--size", "360x240", "--camera", "2.5,0.2,1.9,0.3,-0.65,1.25"],
+    },
+    Figure {
+        path: "objects/scenes/human.png",
+        arguments: &["human", "--time", "19", "--size", "360x240", "--camera", "2.4,0.3,1.8,0.35,-0.75,1.15"],
+    },
     Figure { path: "docs/grasps.png", arguments: &["glass", "--size", "960x600", "--theme", "light"] },
     Figure { path: "docs/plan.png", arguments: &["pour", "--time", "33", "--size", "960x600"] },
+    Figure {
+        path: "docs/handover.png",
+        arguments: &["butler", "--time", "24", "--size", "960x600", "--camera", "1.9,-0.1,1.75,0.25,-0.62,0.95"],
+    },
 ];
 
 /// Draws every picture.
