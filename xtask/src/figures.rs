@@ -4,13 +4,16 @@ use std::process::Command;
 
 use anyhow::{Result, bail};
 
-use crate::{process, setup};
+use crate::{process, setup, thumbnail};
 
 /// A picture: where it goes, and what `endcomfort render` is asked for.
 struct Figure {
     path: &'static str,
     arguments: &'static [&'static str],
 }
+
+/// Where the pictures of the gallery are.
+const GALLERY: &str = "objects/scenes/";
 
 const FIGURES: [Figure; 16] = [
     Figure { path: "objects/scenes/mustard.png", arguments: &["mustard", "--time", "13.5", "--size", "360x240"] },
@@ -63,6 +66,9 @@ pub(crate) fn command(args: &[String]) -> Result<()> {
         let mut render = Command::new(root.join("target/debug/endcomfort"));
         render.arg("render").args(figure.arguments).arg("--out").arg(root.join(figure.path));
         process::run(&mut render)?;
+        if figure.path.starts_with(GALLERY) {
+            thumbnail::shrink(&root.join(figure.path))?;
+        }
     }
     Ok(())
 }

@@ -6,6 +6,7 @@ mod serve;
 mod setup;
 mod site;
 mod suite;
+mod thumbnail;
 mod wasm;
 
 use std::process::ExitCode;
