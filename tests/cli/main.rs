@@ -398,7 +398,7 @@ fn trials_come_from_a_file_and_a_bad_line_is_named() {
 #[test]
 fn objects_are_compared_with_and_without_mirroring() {
     let rows = json(&["experiment", "objects", "--trials", "1", "--json"]);
-    assert_eq!(rows.len(), 4 + 2 * 13);
+    assert_eq!(rows.len(), 4 + 2 * endcomfort::assets::object_names().len());
     let of = |condition: &str| rows.iter().find(|row| row["object"] == "all" && row["condition"] == condition).unwrap();
     assert!(of("mirrored")["mirrored"].as_u64().unwrap() > 6, "most objects have a plane of symmetry");
     assert_eq!(of("not mirrored")["mirrored"], 0);

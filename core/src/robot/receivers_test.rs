@@ -47,7 +47,8 @@ fn the_arm_of_a_person_is_solved_in_closed_form() {
 #[test]
 fn left_and_right_mirror_each_other_in_every_posture() {
     for robot in receivers() {
-        for (name, q) in &robot.postures {
+        // Who serves carries a tray on one side.
+        for (name, q) in robot.postures.iter().filter(|(name, _)| name != "serving") {
             let X_BL = robot.link_poses(q);
             for link in robot.links.iter().filter(|link| link.name.starts_with("left_")) {
                 let at = |name: &str| X_BL[robot.link_index(name).unwrap()];
