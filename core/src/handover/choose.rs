@@ -1,5 +1,7 @@
 //! Choosing the place of a handover and the two grasps: everything but the motions.
 
+use std::sync::OnceLock;
+
 use nalgebra::{Isometry3, Translation3, Vector3};
 
 use super::Comfort;
@@ -27,6 +29,8 @@ const COMFORT_WEIGHT: f64 = 1.0;
 const HANDLE_WEIGHT: f64 = 0.5;
 /// Configurations of an arm that are kept.
 const KEPT: usize = 6;
+/// Giver's grasps of which the most manipulable is taken.
+const COMPARED_GIVERS: usize = 3;
 
 /// A place at which both can hold the object.
 pub(super) struct Choice {
@@ -57,16 +61,12 @@ pub(super) struct Choices {
 
 /// Looks at one spot after the other until enough places are found.
 pub(super) fn choose(
-    giver: &Side<'_>,
-    receiver: &Side<'_>,
+    look: &Look<'_>,
     way: &Way,
     settings: &PlaceChoice,
-    motion: &MotionSettings,
-    (handle, cost): (Option<usize>, &Cost<'_>),
     should_stop: &(dyn Fn() -> bool + Sync),
 ) -> Choices {
-    let (spots, voxels) = spots(giver, receiver, way, settings);
-    let look = Look { giver, receiver, settings, motion, handle, cost };
+    let (spots, voxels) = spots(look.giver, look.receiver, way, settings);
     let mut choices: Vec<Choice> = Vec::new();
     let mut looked_at = 0;
     for some in spots[..spots.len().min(MOST_SPOTS)].chunks(AT_ONCE) {
@@ -89,70 +89,110 @@ pub(super) fn choose(
     Choices { choices, voxels, looked_at }
 }
 
-struct Look<'a> {
+/// Both sides, and what counts at a spot.
+pub(super) struct Look<'a> {
     giver: &'a Side<'a>,
     receiver: &'a Side<'a>,
-    settings: &'a PlaceChoice,
+    receiver_first: bool,
     motion: &'a MotionSettings,
+    /// The part of the object that is its handle.
     handle: Option<usize>,
     cost: &'a Cost<'a>,
+    /// Whether a pair of candidates leaves room for both hands, the receiver's first: the same wherever the object is.
+    both: Vec<OnceLock<bool>>,
 }
 
-impl Look<'_> {
+/// What is known about a pose of the object and the giver there.
+#[derive(Default)]
+struct Given {
+    object_is_free: Option<bool>,
+    held: Vec<Option<Option<Held>>>,
+}
+
+impl<'a> Look<'a> {
+    pub(super) fn new(
+        [giver, receiver]: [&'a Side<'a>; 2],
+        receiver_first: bool,
+        motion: &'a MotionSettings,
+        handle: Option<usize>,
+        cost: &'a Cost<'a>,
+    ) -> Self {
+        let pairs = giver.candidates.len() * receiver.candidates.len();
+        let both = std::iter::repeat_with(OnceLock::new).take(pairs).collect();
+        Self { giver, receiver, receiver_first, motion, handle, cost, both }
+    }
+
     /// The best pair of grasps at a spot.
     fn at(&self, spot: &Spot) -> Option<Choice> {
         match &spot.pose {
             SpotPose::ReceiverHand(X_WH) => {
-                // The arm is the same for all grasps of this hand pose; only the closed fingers differ.
-                let held = self.receiver.configurations(X_WH).ok()?;
+                if !self.receiver.may_reach(X_WH) {
+                    return None;
+                }
                 let takes = 0..self.receiver.candidates.len();
                 let free = takes.filter(|&take| self.receiver.candidates[take].hand.first_hit(X_WH).is_none());
-                free.take(TRIED_GRASPS).find_map(|take| {
+                let free: Vec<usize> = free.take(TRIED_GRASPS).collect();
+                if free.is_empty() {
+                    return None;
+                }
+                // The arm is the same for all grasps of this hand pose; only the closed fingers differ.
+                let held = self.receiver.configurations(X_WH).ok()?;
+                free.into_iter().find_map(|take| {
                     let X_WO = X_WH * self.receiver.candidates[take].grasp.X_OH.inverse();
-                    let (give, given) = self.best_giver(&X_WO, take)?;
+                    let (give, given) = self.best_giver(&X_WO, take, &mut Given::default())?;
                     Some(self.choice(spot, X_WO, [give, take], given, &held))
                 })
             }
             SpotPose::Object(X_WO) => {
+                let mut given = Given::default();
                 let candidates = self.receiver.candidates.iter().enumerate();
                 let held = candidates.filter_map(|(take, candidate)| {
                     let held = self.receiver.held(candidate, &(X_WO * candidate.grasp.X_OH));
                     held.ok().map(|held| (take, held))
                 });
                 held.take(TRIED_GRASPS).find_map(|(take, held)| {
-                    let (give, given) = self.best_giver(X_WO, take)?;
+                    let (give, given) = self.best_giver(X_WO, take, &mut given)?;
                     Some(self.choice(spot, *X_WO, [give, take], given, &held))
                 })
             }
         }
     }
 
-    /// The giver's most manipulable grasp that leaves room for the receiver's.
-    fn best_giver(&self, X_WO: &Isometry3<f64>, take: usize) -> Option<(usize, Held)> {
-        if self.giver.cell.object_hits(X_WO).is_some() {
+    /// The giver's most manipulable grasp that leaves room for the receiver's; what is found out about a pose of the
+    /// object is kept.
+    fn best_giver(&self, X_WO: &Isometry3<f64>, take: usize, known: &mut Given) -> Option<(usize, Held)> {
+        let mut best: Option<(usize, &Held)> = None;
+        let mut found = 0;
+        let Given { object_is_free, held } = known;
+        if !*object_is_free.get_or_insert_with(|| self.giver.cell.object_hits(X_WO).is_none()) {
             return None;
         }
-        let mut best: Option<(usize, Held)> = None;
-        let mut found = 0;
-        for (give, candidate) in self.giver.candidates.iter().enumerate() {
-            let Ok(held) = self.giver.held(candidate, &(X_WO * candidate.grasp.X_OH)) else { continue };
-            if !self.come_and_go(candidate, &self.receiver.candidates[take]) {
+        held.resize_with(self.giver.candidates.len(), || None);
+        for (give, (candidate, held)) in self.giver.candidates.iter().zip(held).enumerate() {
+            if !self.come_and_go(give, take) {
                 continue;
             }
+            let look = || self.giver.held(candidate, &(X_WO * candidate.grasp.X_OH)).ok();
+            let Some(held) = held.get_or_insert_with(look) else { continue };
             found += 1;
             if best.as_ref().is_none_or(|(_, known)| known.m_g < held.m_g) {
                 best = Some((give, held));
             }
-            if found == KEPT {
+            if found == COMPARED_GIVERS {
                 break;
             }
         }
-        best
+        best.map(|(give, held)| (give, held.clone()))
     }
 
     /// Whether both hands can hold the object together, the receiver's open hand can come while the giver holds it, and
     /// the giver's open hand can leave while the receiver does. Everything is in the object's frame.
-    fn come_and_go(&self, give: &Candidate, take: &Candidate) -> bool {
+    fn come_and_go(&self, give: usize, take: usize) -> bool {
+        let known = &self.both[take * self.giver.candidates.len() + give];
+        *known.get_or_init(|| self.find_room(&self.giver.candidates[give], &self.receiver.candidates[take]))
+    }
+
+    fn find_room(&self, give: &Candidate, take: &Candidate) -> bool {
         if give.hand.first_hit_with(&give.grasp.X_OH, &take.hand, &take.grasp.X_OH).is_some() {
             return false;
         }
@@ -173,7 +213,7 @@ impl Look<'_> {
         let off_line_rad = approach.angle(&line);
         let mut q_take: Vec<Vec<f64>> = take.q.iter().take(KEPT).cloned().collect();
         let mut comfort = None;
-        if self.settings.receiver_first {
+        if self.receiver_first {
             // A person takes the posture that costs least.
             let mut costs: Vec<(f64, Option<Comfort>, Vec<f64>)> = take
                 .q
@@ -191,7 +231,7 @@ impl Look<'_> {
         }
         let m_g = [give.m_g, take.m_g];
         let by_handle = self.handle == Some(taking.part);
-        let score = if self.settings.receiver_first {
+        let score = if self.receiver_first {
             take.m_g / self.receiver.most_of_arm()
                 + LINE_WEIGHT * 0.5 * (1.0 + libm::cos(off_line_rad))
                 + if by_handle { HANDLE_WEIGHT } else { 0.0 }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use nalgebra::{Isometry3, Translation3};
 
-use super::choose::{Choice, Choices, Cost, choose};
+use super::choose::{Choice, Choices, Cost, Look, choose};
 use super::places::Way;
 use super::report::{HandoverReport, Place};
 use super::settings::PlaceChoice;
@@ -77,12 +77,12 @@ pub fn plan_handover(task: &HandoverTask<'_>, watch: Watch<'_>) -> Result<Plan, 
     let sides = Sides { task, give, take };
     let mut tries: Vec<Try> = Vec::new();
     let mut least: Option<Choices> = None;
+    let look = Look::new([&sides.give, &sides.take], task.choice.receiver_first, task.motion, task.handle, task.cost);
     // Where the best voxels have no place, less good ones may.
     for share in THRESHOLD_SHARES {
         let choice = PlaceChoice { threshold: share * task.choice.threshold, ..*task.choice };
         let should_stop = || watch.should_stop();
-        let rules = (task.handle, task.cost);
-        let found = choose(&sides.give, &sides.take, &way, &choice, task.motion, rules, &should_stop);
+        let found = choose(&look, &way, &choice, &should_stop);
         if let Some(plan) = sides.plan_at(&found, &mut tries, watch)? {
             return Ok(plan);
         }

@@ -48,6 +48,7 @@ pub(super) struct Candidate {
 }
 
 /// Configurations of an arm at one pose of its hand.
+#[derive(Clone)]
 pub(super) struct Held {
     /// The most manipulable first.
     pub(super) q: Vec<Vec<f64>>,
@@ -189,6 +190,11 @@ impl<'a> Side<'a> {
             Some(hit) => Err(hit.into()),
             None => self.configurations(X_WH),
         }
+    }
+
+    /// Whether a pose of the hand is near enough to the arm's base; whether the arm reaches it is not said.
+    pub(super) fn may_reach(&self, X_WH: &Isometry3<f64>) -> bool {
+        self.cell.ik.reach_gap_m(&self.X_WB.inv_mul(X_WH), &self.q_now) <= 0.0
     }
 
     /// Configurations that bring the hand to a pose, the hand itself not looked at.

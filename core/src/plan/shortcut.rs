@@ -12,6 +12,8 @@ use crate::watch::Watch;
 pub struct ShortcutSettings {
     /// Shortcuts tried between random places of the path.
     pub tries: usize,
+    /// Tries in a row without a gain after which no more are made.
+    pub patience: usize,
     /// Distance to everything that a shortcut keeps where the stretch that it replaces kept it, metres. Where that
     /// stretch came nearer to something, the shortcut comes no nearer to it.
     pub clearance_m: f64,
@@ -19,7 +21,7 @@ pub struct ShortcutSettings {
 
 impl Default for ShortcutSettings {
     fn default() -> Self {
-        Self { tries: 100, clearance_m: 0.0 }
+        Self { tries: 100, patience: 25, clearance_m: 0.0 }
     }
 }
 
@@ -34,10 +36,12 @@ pub fn shorten(space: &ArmSpace, path: &Path, settings: &ShortcutSettings, seed:
     let cuts = Cuts::new(space, &mut scratch, path, settings.clearance_m);
     let mut points = prune(&cuts, &mut scratch, &path.points);
     let mut rng = Rng::new(seed, 0x7368_6f72_7463);
+    let mut in_vain = 0;
     for _ in 0..settings.tries {
-        if points.len() <= 2 || watch.should_stop() {
+        if points.len() <= 2 || in_vain == settings.patience || watch.should_stop() {
             break;
         }
+        in_vain += 1;
         // Arc length up to every point.
         let mut reached = vec![0.0];
         for pair in points.windows(2) {
@@ -77,8 +81,12 @@ pub fn shorten(space: &ArmSpace, path: &Path, settings: &ShortcutSettings, seed:
         shorter.append(&mut cut);
         shorter.extend_from_slice(&points[last..]);
         points = shorter;
+        in_vain = 0;
     }
-    let shortened = Path { points: prune(&cuts, &mut scratch, &points) };
+    if settings.tries > 0 {
+        points = prune(&cuts, &mut scratch, &points);
+    }
+    let shortened = Path { points };
     if shortened.length_rad() <= path.length_rad() { shortened } else { path.clone() }
 }
 

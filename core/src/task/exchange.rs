@@ -14,7 +14,7 @@ use super::ways_between::RoadmapOnce;
 use super::{Leg, MotionSettings, Phase, PhaseKind, Plan, Stop, TARGET, Try, Workcell};
 use crate::collision::{MayTouch, Party};
 use crate::grasp::{Grasp, Situated};
-use crate::plan::{ArmSpace, Path};
+use crate::plan::{ArmSpace, Path, Trajectory};
 use crate::watch::Watch;
 
 /// Times that a motion is timed anew until the hand is slow enough.
@@ -179,7 +179,11 @@ pub fn plan_exchange(
     let mut timeline = Timeline { phases: Vec::new(), now: rest.clone(), end_s: 0.0 };
     let act = Act { exchange, settings, watch };
 
-    let (drafts, back) = act.present(&rest).map_err(|setback| failed(GIVE, setback))?;
+    // What is told fast comes first: searched ways are for places that have all their straight ones.
+    let ways = act.ways_out(&rest).map_err(|setback| failed(GIVE, setback))?;
+    let ways = act.with_room_to_come(&rest, ways).map_err(|setback| failed(TAKE, setback))?;
+    act.look_at_goal(&rest).map_err(|setback| failed(TAKE, setback))?;
+    let (drafts, back) = act.present(&rest, ways).map_err(|setback| failed(GIVE, setback))?;
     timeline.push(GIVE, drafts);
     let drafts = act.take(&timeline.now).map_err(|setback| failed(TAKE, setback))?;
     timeline.push(TAKE, drafts);
@@ -239,12 +243,11 @@ impl<'a> Act<'a> {
         Posed { arm: self.exchange.q_take.to_vec(), fingers: self.exchange.take.closed.clone() }
     }
 
-    /// Reach, close, lift, and bring the object to where it is handed over; also the giver's way out from there.
-    fn present(&self, rest: &[Posed; 2]) -> Result<(Vec<Draft>, Path), Setback> {
+    /// The giver's ways out of the handover, which are part of the choice of its posture there.
+    fn ways_out(&self, rest: &[Posed; 2]) -> Result<Vec<Ways>, Setback> {
         let Partners { giver, receiver } = self.exchange.partners;
         let grasp = self.exchange.give;
         let X_WH = self.exchange.X_WO * grasp.X_OH;
-        // The way out is part of the choice: it is gone while the receiver holds the object.
         let there = beside(giver, receiver, self.q([&rest[GIVE], &self.taking()]));
         let leaving = self.mover(&there, self.settings);
         let out = LegWith::new(&leaving, grasp).empty_handed(PhaseKind::Retreat, &self.exchange.X_WO)?;
@@ -260,7 +263,50 @@ impl<'a> Act<'a> {
             let none = || Blocked::because("no configuration of the giver's arm at the handover");
             return Err(first.unwrap_or_else(none).in_phase(PhaseKind::Retreat, false));
         }
+        Ok(ways)
+    }
 
+    /// Those of the giver's postures in which the receiver's hand can come.
+    fn with_room_to_come(&self, rest: &[Posed; 2], ways: Vec<Ways>) -> Result<Vec<Ways>, Setback> {
+        let (grasp, X_WO) = (self.exchange.take, self.exchange.X_WO);
+        let mut with_room = Vec::new();
+        let mut first = None;
+        for ways in ways {
+            let giving = Posed { arm: ways.held.clone(), fingers: self.exchange.give.closed.clone() };
+            let cell = self.receiver_beside(&giving, &rest[TAKE]);
+            let mover = self.mover(&cell, self.settings);
+            let approaching = LegWith::new(&mover, grasp).empty_handed(PhaseKind::Reach, &X_WO)?;
+            match mover.back_off(&approaching, self.exchange.q_take, &(X_WO * grasp.X_OH)) {
+                Ok(_) => with_room.push(ways),
+                Err(blocked) => first = first.or(Some(blocked)),
+            }
+        }
+        match first {
+            Some(blocked) if with_room.is_empty() => Err(blocked.in_phase(PhaseKind::Reach, false)),
+            _ => Ok(with_room),
+        }
+    }
+
+    /// Whether the receiver can put the object down at its goal while the giver is where it began.
+    fn look_at_goal(&self, rest: &[Posed; 2]) -> Result<(), Setback> {
+        let (Some(set), true) = (&self.exchange.take.goal, self.exchange.lets_go) else { return Ok(()) };
+        let cell = self.receiver_beside(&rest[GIVE], &self.taking());
+        let mover = self.mover(&cell, self.settings);
+        let stop = Stop { poses_WO: vec![set.X_WO], ..Stop::put() };
+        LegWith::new(&mover, self.exchange.take).arrivals(&stop, set, Some(self.exchange.q_take)).map(|_| ())
+    }
+
+    /// The receiver's workcell with the object at the handover.
+    fn receiver_beside(&self, giver: &Posed, receiver: &Posed) -> Workcell {
+        let partners = self.exchange.partners;
+        let q = self.q([giver, receiver]);
+        Workcell { X_WO_start: self.exchange.X_WO, ..beside(&partners.receiver, &partners.giver, q) }
+    }
+
+    /// Reach, close, lift, and bring the object to where it is handed over; also the giver's way out from there.
+    fn present(&self, rest: &[Posed; 2], mut ways: Vec<Ways>) -> Result<(Vec<Draft>, Path), Setback> {
+        let Partners { giver, receiver } = self.exchange.partners;
+        let grasp = self.exchange.give;
         let cell = beside(giver, receiver, self.q([&rest[GIVE], &rest[TAKE]]));
         let mover = self.mover(&cell, self.settings);
         let mut leg = LegWith::new(&mover, grasp);
@@ -277,31 +323,34 @@ impl<'a> Act<'a> {
     }
 
     /// The giver's transport, no faster than its hand may come.
-    fn slowly(&self, cell: &Workcell, grasp: &Grasp, spaces: [&ArmSpace; 2], path: &Path) -> Result<Draft, Setback> {
-        let timed = |settings: &MotionSettings| {
-            let mover = self.mover(cell, settings);
-            LegWith::new(&mover, grasp).draft(PhaseKind::Transport, spaces, path, true)
-        };
-        let mut settings = self.settings.clone();
+    fn slowly(
+        &self,
+        cell: &Workcell,
+        grasp: &Grasp,
+        [space, plain]: [&ArmSpace; 2],
+        path: &Path,
+    ) -> Result<Draft, Setback> {
+        let mover = self.mover(cell, self.settings);
         let wanted = self.exchange.hand_speed_m_s;
-        let mut draft = timed(&settings)?;
+        let mut scale = self.settings.velocity_scale;
+        let in_phase = |blocked: Blocked| blocked.in_phase(PhaseKind::Transport, true);
+        let mut trajectory = mover.timed(space, path, scale).map_err(in_phase)?;
         // Half of the joints' speeds is not exactly half of the hand's: a few rounds meet it.
         for _ in 0..MOST_ROUNDS {
-            let speed = top_speed_m_s(cell, &draft);
+            let speed = top_speed_m_s(cell, &trajectory);
             if speed <= wanted {
                 break;
             }
-            settings.velocity_scale *= 0.97 * wanted / speed;
-            draft = timed(&settings)?;
+            scale *= 0.97 * wanted / speed;
+            trajectory = mover.timed(space, path, scale).map_err(in_phase)?;
         }
-        Ok(draft)
+        Ok(mover.measured(PhaseKind::Transport, plain, trajectory, &grasp.closed, true))
     }
 
     /// The receiver comes and closes its hand, the giver standing still.
     fn take(&self, now: &[Posed; 2]) -> Result<Vec<Draft>, Setback> {
-        let Partners { giver, receiver } = self.exchange.partners;
         let (grasp, X_WO) = (self.exchange.take, self.exchange.X_WO);
-        let cell = Workcell { X_WO_start: X_WO, ..beside(receiver, giver, self.q([&now[GIVE], &now[TAKE]])) };
+        let cell = self.receiver_beside(&now[GIVE], &now[TAKE]);
         let mover = self.mover(&cell, self.settings);
         let mut leg = LegWith::new(&mover, grasp);
         let approaching = leg.empty_handed(PhaseKind::Reach, &X_WO)?;
@@ -326,9 +375,9 @@ impl<'a> Act<'a> {
 
     /// The receiver brings the object to its goal; without one it draws it to where its hand came from.
     fn bring(&self, now: &[Posed; 2], home: &[f64]) -> Result<(Vec<Draft>, Isometry3<f64>), Setback> {
-        let Partners { giver, receiver } = self.exchange.partners;
-        let (grasp, X_WO) = (self.exchange.take, self.exchange.X_WO);
-        let cell = Workcell { X_WO_start: X_WO, ..beside(receiver, giver, self.q([&now[GIVE], &now[TAKE]])) };
+        let receiver = &self.exchange.partners.receiver;
+        let grasp = self.exchange.take;
+        let cell = self.receiver_beside(&now[GIVE], &now[TAKE]);
         let mover = self.mover(&cell, self.settings);
         let mut leg = LegWith::new(&mover, grasp);
         let stop = Stop { poses_WO: receiver.X_WO_goal().into_iter().collect(), ..Stop::put() };
@@ -377,12 +426,11 @@ fn on_home(mover: &Mover<'_>, space: &ArmSpace, back: &Path, home: &[f64]) -> Pa
 }
 
 /// The largest speed of the hand frame's origin between the samples of a motion, m/s.
-fn top_speed_m_s(cell: &Workcell, draft: &Draft) -> f64 {
+fn top_speed_m_s(cell: &Workcell, trajectory: &Trajectory) -> f64 {
     let chain = cell.ik.chain();
-    let joints = cell.arm().dofs.len();
     let places: Vec<Vector3<f64>> =
-        draft.trajectory.positions.iter().map(|q| chain.tip(&q[..joints]).translation.vector).collect();
-    let times = &draft.trajectory.times_s;
+        trajectory.positions.iter().map(|q| chain.tip(q).translation.vector).collect();
+    let times = &trajectory.times_s;
     let speed = |k: usize| (places[k] - places[k - 1]).norm() / (times[k] - times[k - 1]).max(1e-9);
     (1..places.len()).map(speed).fold(0.0, f64::max)
 }

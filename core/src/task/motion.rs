@@ -10,6 +10,7 @@ use crate::plan::{
     ArmSpace, CartesianSettings, CartesianStop, EdgeCause, MotionLimits, Path, StopReason, TimingSettings, Trajectory,
     follow_poses, straight_line, time_path,
 };
+use crate::robot::Dexterity;
 use crate::watch::Watch;
 
 /// Distance between poses on a straight way, metres, and radians.
@@ -116,32 +117,47 @@ impl Mover<'_> {
         fingers: &[f64],
         carries: bool,
     ) -> Result<Draft, Blocked> {
-        let limits = MotionLimits::of(space);
+        let trajectory = self.timed(space, path, self.settings.velocity_scale)?;
+        Ok(self.measured(kind, plain, trajectory, fingers, carries))
+    }
+
+    /// A path with times, the joints' speeds scaled.
+    pub(super) fn timed(&self, space: &ArmSpace, path: &Path, velocity_scale: f64) -> Result<Trajectory, Blocked> {
         let timing = TimingSettings {
-            velocity_scale: self.settings.velocity_scale,
+            velocity_scale,
             acceleration_scale: self.settings.acceleration_scale,
             jerk_scale: self.settings.jerk_scale,
             ..TimingSettings::default()
         };
-        let mut trajectory =
-            time_path(space, path, &limits, &timing).map_err(|error| Blocked::because(error.to_string()))?;
+        time_path(space, path, &MotionLimits::of(space), &timing).map_err(|error| Blocked::because(error.to_string()))
+    }
+
+    /// The phase of a motion of the arm, with the distances of a space and the manipulability at every sample.
+    pub(super) fn measured(
+        &self,
+        kind: PhaseKind,
+        space: &ArmSpace,
+        mut trajectory: Trajectory,
+        fingers: &[f64],
+        carries: bool,
+    ) -> Draft {
         let mut scratch = Scratch::default();
         let mut nearest = Clearance { distance_m: f64::INFINITY, a: String::new(), b: String::new() };
         let mut clearance_m = Vec::with_capacity(trajectory.positions.len());
         let mut most_m = f64::INFINITY;
         let mut last: Option<&Vec<f64>> = None;
         for q in &trajectory.positions {
-            let grown_m = last.map_or(f64::INFINITY, |last| 2.0 * plain.checker.displacement_m(last, q));
-            let clearance = plain.checker.distance_within(&mut scratch, q, most_m + grown_m + 1e-9);
+            let grown_m = last.map_or(f64::INFINITY, |last| 2.0 * space.checker.displacement_m(last, q));
+            let clearance = space.checker.distance_within(&mut scratch, q, most_m + grown_m + 1e-9);
             (most_m, last) = (clearance.distance_m, Some(q));
             clearance_m.push(clearance.distance_m);
             if clearance.distance_m < nearest.distance_m {
                 nearest = clearance;
             }
         }
-        let manipulability = self.manipulability(&trajectory, fingers);
+        let manipulability = self.manipulability(&trajectory);
         trajectory.positions.iter_mut().for_each(|q| q.extend_from_slice(fingers));
-        Ok(Draft { kind, trajectory, carries, manipulability, clearance_m, closest: [nearest.a, nearest.b] })
+        Draft { kind, trajectory, carries, manipulability, clearance_m, closest: [nearest.a, nearest.b] }
     }
 
     /// The phase that moves the fingers with the arm at rest: from rest to rest, a cubic in time.
@@ -157,7 +173,7 @@ impl Mover<'_> {
             trajectory.positions.push(q.iter().copied().chain(fingers).collect());
         }
         let still = Trajectory { times_s: vec![0.0], positions: vec![q.to_vec()] };
-        let m = self.manipulability(&still, to)[0];
+        let m = self.manipulability(&still)[0];
         let Clearance { distance_m, a, b } = space.checker.distance(&mut Scratch::default(), q);
         let samples = steps + 1;
         Draft {
@@ -171,16 +187,10 @@ impl Mover<'_> {
     }
 
     /// Manipulability of every sample.
-    fn manipulability(&self, trajectory: &Trajectory, fingers: &[f64]) -> Vec<f64> {
-        let (robot, arm) = (&self.cell.robot, self.cell.arm());
-        let mut q_all = self.cell.q_with_fingers(fingers);
-        let mut X_WL = Vec::new();
-        let mut measure = |q: &Vec<f64>| {
-            arm.dofs.iter().zip(q).for_each(|(&dof, &position)| q_all[dof] = position);
-            robot.link_poses_into(&q_all, &mut X_WL);
-            robot.manipulability(arm, &X_WL)
-        };
-        trajectory.positions.iter().map(&mut measure).collect()
+    fn manipulability(&self, trajectory: &Trajectory) -> Vec<f64> {
+        let mut placed = Vec::new();
+        Dexterity::new(self.cell.ik.chain()).all(&trajectory.positions.concat(), &mut placed);
+        placed.iter().map(|placed| placed.manipulability).collect()
     }
 }
 

@@ -60,7 +60,10 @@ impl Mover<'_> {
     }
 
     fn searched(&self, space: &ArmSpace, start: &[f64], goals: &[Vec<f64>]) -> Result<Found, Blocked> {
-        let settings = ClearSettings { clearance_m: self.settings.clearance_m, ..ClearSettings::default() };
+        // Of several ways without their plain detours the shortest is shortened in earnest.
+        let pruned = ShortcutSettings { tries: 0, ..ShortcutSettings::default() };
+        let settings =
+            ClearSettings { clearance_m: self.settings.clearance_m, shortcut: pruned, ..ClearSettings::default() };
         let clear = plan_clear_path(space, start, goals, &settings, self.seed, &self.watch);
         let ClearPath { found, space: clear, .. } = clear.map_err(|outcome| not_found(outcome, space, start, goals))?;
         // A straight way is not made shorter by another search.
@@ -70,11 +73,12 @@ impl Mover<'_> {
             let seed = self.seed.wrapping_add(attempt);
             let outcome = plan_path(&best.space, start, goals, &BirrtSettings::default(), seed, &self.watch);
             let PlanOutcome::Found(found) = outcome else { break };
-            let path = shorten(&best.space, &found.path, &ShortcutSettings::default(), seed, &self.watch);
+            let path = shorten(&best.space, &found.path, &pruned, seed, &self.watch);
             if path.length_rad() < best.path.length_rad() {
                 best = Found { path, goal: found.goal, ..best };
             }
         }
+        best.path = shorten(&best.space, &best.path, &ShortcutSettings::default(), self.seed, &self.watch);
         Ok(best)
     }
 
