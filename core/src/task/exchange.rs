@@ -428,8 +428,7 @@ fn on_home(mover: &Mover<'_>, space: &ArmSpace, back: &Path, home: &[f64]) -> Pa
 /// The largest speed of the hand frame's origin between the samples of a motion, m/s.
 fn top_speed_m_s(cell: &Workcell, trajectory: &Trajectory) -> f64 {
     let chain = cell.ik.chain();
-    let places: Vec<Vector3<f64>> =
-        trajectory.positions.iter().map(|q| chain.tip(q).translation.vector).collect();
+    let places: Vec<Vector3<f64>> = trajectory.positions.iter().map(|q| chain.tip(q).translation.vector).collect();
     let times = &trajectory.times_s;
     let speed = |k: usize| (places[k] - places[k - 1]).norm() / (times[k] - times[k - 1]).max(1e-9);
     (1..places.len()).map(speed).fold(0.0, f64::max)
