@@ -7,27 +7,18 @@
 use nalgebra::{Isometry3, Vector3};
 
 use super::motion::{Draft, Mover, joined};
+use super::partners::{GIVE, Partners, Posed, TAKE, beside, posed, put};
 use super::phases::LegWith;
 use super::setback::{Blocked, Setback};
 use super::ways::Ways;
 use super::ways_between::RoadmapOnce;
-use super::{Leg, MotionSettings, Phase, PhaseKind, Plan, Stop, TARGET, Try, Workcell};
-use crate::collision::{MayTouch, Party};
+use super::{Leg, MotionSettings, Phase, PhaseKind, Plan, Stop, Try, Workcell};
 use crate::grasp::{Grasp, Situated};
 use crate::plan::{ArmSpace, Path, Trajectory};
 use crate::watch::Watch;
 
 /// Times that a motion is timed anew until the hand is slow enough.
 const MOST_ROUNDS: usize = 4;
-
-/// Both sides of a handover, on one robot that has both arms.
-#[derive(Clone)]
-pub struct Partners {
-    /// The arm that gives: the object at its start, obstacles that only it has to keep away from included.
-    pub giver: Workcell,
-    /// The arm that receives.
-    pub receiver: Workcell,
-}
 
 /// A handover to plan.
 pub struct Exchange<'a> {
@@ -49,76 +40,6 @@ pub struct Exchange<'a> {
     pub hand_speed_m_s: f64,
     /// Seed of the searches.
     pub seed: u64,
-}
-
-/// An arm with its hand at one time: the columns of a plan that are its own.
-#[derive(Clone)]
-struct Posed {
-    arm: Vec<f64>,
-    fingers: Vec<f64>,
-}
-
-impl Posed {
-    fn columns(&self) -> impl Iterator<Item = f64> + '_ {
-        self.arm.iter().chain(&self.fingers).copied()
-    }
-}
-
-/// Which leg a phase belongs to.
-const GIVE: usize = 0;
-const TAKE: usize = 1;
-
-impl Partners {
-    /// The workcell in which a phase of a plan happens: of the arm that moves, the other one being where it is then.
-    pub fn during(&self, plan: &Plan, phase: usize) -> Workcell {
-        let q = plan.state_at(plan.phases[phase].start_s).q;
-        let [mover, other] =
-            if plan.phases[phase].leg == GIVE { [&self.giver, &self.receiver] } else { [&self.receiver, &self.giver] };
-        beside(mover, other, q)
-    }
-
-    /// All joints at the beginning: both hands open.
-    fn q_start(&self) -> Vec<f64> {
-        let mut q = self.giver.q_with_fingers(&self.giver.hand.open);
-        set_fingers(&mut q, &self.receiver, &self.receiver.hand.open);
-        q
-    }
-
-    fn dofs(&self) -> Vec<usize> {
-        [&self.giver, &self.receiver].into_iter().flat_map(dofs_of).collect()
-    }
-}
-
-/// A side's workcell while the other arm is where `q` says, and may hold the object.
-fn beside(mover: &Workcell, other: &Workcell, q: Vec<f64>) -> Workcell {
-    let held = |b: fn() -> Party| {
-        let links = &other.arm().hand.links;
-        links.iter().map(move |&link| MayTouch { a: Party::Link(link), b: b(), depth_m: f64::INFINITY })
-    };
-    let object = || Party::Obstacle(TARGET.to_owned());
-    let may_touch = mover.may_touch.iter().cloned().chain(held(object)).chain(held(|| Party::Carried)).collect();
-    Workcell { q_start: q, may_touch, ..mover.clone() }
-}
-
-fn dofs_of(cell: &Workcell) -> Vec<usize> {
-    cell.arm().dofs.iter().chain(cell.arm().hand.fingers.iter().flatten()).copied().collect()
-}
-
-fn set_fingers(q: &mut [f64], cell: &Workcell, fingers: &[f64]) {
-    for (&dof, &position) in cell.arm().hand.fingers.iter().flatten().zip(fingers) {
-        q[dof] = position;
-    }
-}
-
-fn posed(q: &[f64], cell: &Workcell, fingers: &[f64]) -> Posed {
-    Posed { arm: cell.arm().dofs.iter().map(|&dof| q[dof]).collect(), fingers: fingers.to_vec() }
-}
-
-/// Puts an arm and its hand into all joints.
-fn put(q: &mut [f64], cell: &Workcell, posed: &Posed) {
-    for (dof, position) in dofs_of(cell).into_iter().zip(posed.columns()) {
-        q[dof] = position;
-    }
 }
 
 /// What the acts have made so far.
