@@ -47,6 +47,9 @@ pub(super) struct Args {
     /// Accepts grasps without looking at straight ways in and out, as the thesis does (experiment `prioritization`).
     #[arg(long)]
     pub(super) any_way: bool,
+    /// Only these scenarios, such as `butler` or `self_alita`; default: all (experiment `handover`).
+    #[arg(long, value_delimiter = ',')]
+    pub(super) scenario: Vec<String>,
     /// What plans look for their way with (experiment `motion`).
     #[arg(long, value_enum)]
     pub(super) planner: Option<PlannerName>,
@@ -132,6 +135,9 @@ fn settings(experiment: Experiment, args: &Args, common: &Common) -> Result<Expe
     }
     if args.any_way {
         return refuse("--any-way", "nothing is grasped");
+    }
+    if !args.scenario.is_empty() {
+        return refuse("--scenario", "nothing is handed over");
     }
     if args.clutter.is_some() {
         return refuse("--clutter", "nothing is planned");

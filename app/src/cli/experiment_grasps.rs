@@ -20,6 +20,9 @@ pub(super) fn run(experiment: GraspExperiment, args: &Args, common: &Common) -> 
         let name = experiment.name();
         return Err(Failure::new(format!("{option}: experiment {name} has no use for it, it fits nothing")));
     }
+    if !args.scenario.is_empty() && experiment != GraspExperiment::Handover {
+        return Err(Failure::new("--scenario: only experiment handover has scenarios"));
+    }
     let settings = settings(args, common)?;
     let elapsed_ms = stopwatch();
     match experiment {
@@ -84,6 +87,7 @@ fn settings(args: &Args, common: &Common) -> Result<GraspExperimentSettings, Fai
         clutter: args.clutter.unwrap_or(0),
         any_way: args.any_way,
         scenes: HANDOVERS.iter().filter_map(|name| assets::demo(name)).collect(),
+        scenarios: args.scenario.clone(),
         planner: args.planner.map(Planner::from).unwrap_or_default(),
         seed: common.seed.unwrap_or(1),
         is_serial: args.serial,

@@ -5,19 +5,18 @@ use std::sync::OnceLock;
 use nalgebra::{Isometry3, Translation3, Vector3};
 
 use super::Comfort;
+use super::effort::Effort;
 use super::places::{Spot, SpotPose, Way, spots};
+use super::plan::HandoverTask;
 use super::settings::PlaceChoice;
 use super::side::{Candidate, Held, Side};
 use crate::grasp::Grasp;
 use crate::parallel;
-use crate::task::MotionSettings;
 
 /// Spots that are looked at in one go; within one the answers do not depend on each other.
 const AT_ONCE: usize = 32;
 /// Most spots that are looked at.
 const MOST_SPOTS: usize = 4000;
-/// Receiver's grasps that are tried at one spot, and of a spot for the object, giver's as well.
-const TRIED_GRASPS: usize = 6;
 /// Places nearer to each other than this are one, metres.
 const APART_M: f64 = 0.075;
 /// What the hand along the line of the shoulders, the giver's manipulability and a person's discomfort count for, the
@@ -66,7 +65,7 @@ pub(super) fn choose(
     settings: &PlaceChoice,
     should_stop: &(dyn Fn() -> bool + Sync),
 ) -> Choices {
-    let (spots, voxels) = spots(look.giver, look.receiver, way, settings);
+    let (spots, voxels) = spots([look.giver, look.receiver], way, settings, look.effort);
     let mut choices: Vec<Choice> = Vec::new();
     let mut looked_at = 0;
     for some in spots[..spots.len().min(MOST_SPOTS)].chunks(AT_ONCE) {
@@ -91,13 +90,10 @@ pub(super) fn choose(
 
 /// Both sides, and what counts at a spot.
 pub(super) struct Look<'a> {
+    task: &'a HandoverTask<'a>,
     giver: &'a Side<'a>,
     receiver: &'a Side<'a>,
-    receiver_first: bool,
-    motion: &'a MotionSettings,
-    /// The part of the object that is its handle.
-    handle: Option<usize>,
-    cost: &'a Cost<'a>,
+    effort: Effort,
     /// Whether a pair of candidates leaves room for both hands, the receiver's first: the same wherever the object is.
     both: Vec<OnceLock<bool>>,
 }
@@ -110,16 +106,10 @@ struct Given {
 }
 
 impl<'a> Look<'a> {
-    pub(super) fn new(
-        [giver, receiver]: [&'a Side<'a>; 2],
-        receiver_first: bool,
-        motion: &'a MotionSettings,
-        handle: Option<usize>,
-        cost: &'a Cost<'a>,
-    ) -> Self {
+    pub(super) fn new(task: &'a HandoverTask<'a>, [giver, receiver]: [&'a Side<'a>; 2], effort: Effort) -> Self {
         let pairs = giver.candidates.len() * receiver.candidates.len();
         let both = std::iter::repeat_with(OnceLock::new).take(pairs).collect();
-        Self { giver, receiver, receiver_first, motion, handle, cost, both }
+        Self { task, giver, receiver, effort, both }
     }
 
     /// The best pair of grasps at a spot.
@@ -131,7 +121,7 @@ impl<'a> Look<'a> {
                 }
                 let takes = 0..self.receiver.candidates.len();
                 let free = takes.filter(|&take| self.receiver.candidates[take].hand.first_hit(X_WH).is_none());
-                let free: Vec<usize> = free.take(TRIED_GRASPS).collect();
+                let free: Vec<usize> = free.take(self.effort.tried_grasps()).collect();
                 if free.is_empty() {
                     return None;
                 }
@@ -140,6 +130,7 @@ impl<'a> Look<'a> {
                 free.into_iter().find_map(|take| {
                     let X_WO = X_WH * self.receiver.candidates[take].grasp.X_OH.inverse();
                     let (give, given) = self.best_giver(&X_WO, take, &mut Given::default())?;
+                    self.receiver.serving(&self.receiver.candidates[take])?;
                     Some(self.choice(spot, X_WO, [give, take], given, &held))
                 })
             }
@@ -150,8 +141,9 @@ impl<'a> Look<'a> {
                     let held = self.receiver.held(candidate, &(X_WO * candidate.grasp.X_OH));
                     held.ok().map(|held| (take, held))
                 });
-                held.take(TRIED_GRASPS).find_map(|(take, held)| {
+                held.take(self.effort.tried_grasps()).find_map(|(take, held)| {
                     let (give, given) = self.best_giver(X_WO, take, &mut given)?;
+                    self.receiver.serving(&self.receiver.candidates[take])?;
                     Some(self.choice(spot, *X_WO, [give, take], given, &held))
                 })
             }
@@ -196,8 +188,9 @@ impl<'a> Look<'a> {
         if give.hand.first_hit_with(&give.grasp.X_OH, &take.hand, &take.grasp.X_OH).is_some() {
             return false;
         }
-        let away =
-            |grasp: &Grasp, share: f64| grasp.X_OH * Translation3::new(0.0, 0.0, -share * self.motion.min_approach_m);
+        let away = |grasp: &Grasp, share: f64| {
+            grasp.X_OH * Translation3::new(0.0, 0.0, -share * self.task.motion.min_approach_m)
+        };
         [0.0, 0.3, 0.7, 1.0].iter().all(|&share| {
             let (leaves, comes) = (away(&give.grasp, share), away(&take.grasp, share));
             let [open_give, open_take] = [&self.giver.open, &self.receiver.open];
@@ -213,13 +206,13 @@ impl<'a> Look<'a> {
         let off_line_rad = approach.angle(&line);
         let mut q_take: Vec<Vec<f64>> = take.q.iter().take(KEPT).cloned().collect();
         let mut comfort = None;
-        if self.receiver_first {
+        if self.task.choice.receiver_first {
             // A person takes the posture that costs least.
             let mut costs: Vec<(f64, Option<Comfort>, Vec<f64>)> = take
                 .q
                 .iter()
                 .map(|q| {
-                    let comfort = (self.cost)(q);
+                    let comfort = (self.task.cost)(q);
                     (comfort.map_or(0.0, |comfort| comfort.total), comfort, q.clone())
                 })
                 .collect();
@@ -227,11 +220,11 @@ impl<'a> Look<'a> {
             comfort = costs.first().and_then(|(_, comfort, _)| *comfort);
             q_take = costs.into_iter().take(KEPT).map(|(_, _, q)| q).collect();
         } else if let Some(q) = q_take.first() {
-            comfort = (self.cost)(q);
+            comfort = (self.task.cost)(q);
         }
         let m_g = [give.m_g, take.m_g];
-        let by_handle = self.handle == Some(taking.part);
-        let score = if self.receiver_first {
+        let by_handle = self.task.handle == Some(taking.part);
+        let score = if self.task.choice.receiver_first {
             take.m_g / self.receiver.most_of_arm()
                 + LINE_WEIGHT * 0.5 * (1.0 + libm::cos(off_line_rad))
                 + if by_handle { HANDLE_WEIGHT } else { 0.0 }

@@ -2,6 +2,7 @@
 
 mod choose;
 mod comfort;
+mod effort;
 mod keep_out;
 mod places;
 mod plan;

@@ -3,12 +3,11 @@
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 use super::PlaceChoice;
+use super::effort::Effort;
 use super::side::Side;
 
 /// Rolls of the receiver's hand about its approach.
 const ROLLS: u32 = 8;
-/// Tilts of the receiver's approach against the line of the shoulders, rad, about two axes across it.
-const TILTS: [[f64; 2]; 5] = [[0.0, 0.0], [0.6, 0.0], [-0.6, 0.0], [0.0, 0.6], [0.0, -0.6]];
 /// Turns about the vertical of the object's pose on its way from start to goal, rad.
 const TURNS: [f64; 4] = [0.0, std::f64::consts::FRAC_PI_2, std::f64::consts::PI, -std::f64::consts::FRAC_PI_2];
 
@@ -51,7 +50,12 @@ impl Way {
 ///
 /// With the receiver first: by the receiver's share of its best manipulability, its hand along the line from its shoulder
 /// to the giver's (6.2). Otherwise by the distance to the way, the object turned as far as it is along (6.1).
-pub(super) fn spots(giver: &Side<'_>, receiver: &Side<'_>, way: &Way, choice: &PlaceChoice) -> (Vec<Spot>, usize) {
+pub(super) fn spots(
+    [giver, receiver]: [&Side<'_>; 2],
+    way: &Way,
+    choice: &PlaceChoice,
+    effort: Effort,
+) -> (Vec<Spot>, usize) {
     let mut voxels: Vec<(f64, Point3<f64>)> = Vec::new();
     let map = receiver.map;
     for center in map.into_iter().flat_map(|map| map.voxels().map(|voxel| map.center(voxel))) {
@@ -65,7 +69,7 @@ pub(super) fn spots(giver: &Side<'_>, receiver: &Side<'_>, way: &Way, choice: &P
     // A stable sort: equal ones stay in the order of the map.
     voxels.sort_by(|l, r| l.0.total_cmp(&r.0));
     let count = voxels.len();
-    let rotations = along_shoulders(&(giver.shoulder() - receiver.shoulder()));
+    let rotations = along_shoulders(&(giver.shoulder() - receiver.shoulder()), effort.tilts());
     let spots = voxels.into_iter().flat_map(|(_, voxel)| {
         let (off_way_m, t) = way.nearest(&voxel);
         let at = Translation3::from(voxel.coords);
@@ -75,7 +79,9 @@ pub(super) fn spots(giver: &Side<'_>, receiver: &Side<'_>, way: &Way, choice: &P
         } else {
             let between = between(&way.X_WO_start.rotation, &way.X_WO_goal.rotation, t);
             let turned = |turn: &f64| UnitQuaternion::from_axis_angle(&Vector3::z_axis(), *turn) * between;
-            TURNS.iter().map(|turn| SpotPose::Object(Isometry3::from_parts(at, turned(turn)))).collect()
+            let tilts = effort.object_tilts().iter().map(tilted);
+            let rotations = tilts.flat_map(|tilt| TURNS.iter().map(move |turn| tilt * turned(turn)));
+            rotations.map(|R| SpotPose::Object(Isometry3::from_parts(at, R))).collect()
         };
         poses.into_iter().map(move |pose| Spot { voxel, off_way_m, pose })
     });
@@ -87,14 +93,18 @@ fn between(from: &UnitQuaternion<f64>, to: &UnitQuaternion<f64>, t: f64) -> Unit
     from.try_slerp(to, t, 1e-9).unwrap_or(if t < 0.5 { *from } else { *to })
 }
 
+/// A tilt about the x and the y axis, rad.
+fn tilted([about_x, about_y]: &[f64; 2]) -> UnitQuaternion<f64> {
+    UnitQuaternion::from_axis_angle(&Vector3::x_axis(), *about_x)
+        * UnitQuaternion::from_axis_angle(&Vector3::y_axis(), *about_y)
+}
+
 /// Rotations of a hand whose approach (z) goes along a direction of the world or nearly so; those along it first.
-fn along_shoulders(direction: &Vector3<f64>) -> Vec<UnitQuaternion<f64>> {
+fn along_shoulders(direction: &Vector3<f64>, tilts: &[[f64; 2]]) -> Vec<UnitQuaternion<f64>> {
     let along = Rotation3::rotation_between(&Vector3::z(), direction).unwrap_or_else(Rotation3::identity);
     let along = UnitQuaternion::from_rotation_matrix(&along);
     let mut rotations = Vec::new();
-    for [about_x, about_y] in TILTS {
-        let tilt = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), about_x)
-            * UnitQuaternion::from_axis_angle(&Vector3::y_axis(), about_y);
+    for tilt in tilts.iter().map(tilted) {
         for roll in 0..ROLLS {
             let angle = std::f64::consts::TAU * f64::from(roll) / f64::from(ROLLS);
             rotations.push(along * tilt * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle));

@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use nalgebra::{Isometry3, Translation3};
 
 use super::choose::{Choice, Choices, Cost, Look, choose};
+use super::effort::Effort;
 use super::places::Way;
 use super::report::{HandoverReport, Place};
 use super::settings::PlaceChoice;
@@ -53,41 +54,51 @@ pub fn plan_handover(task: &HandoverTask<'_>, watch: Watch<'_>) -> Result<Plan, 
     let goal = receiver.X_WO_goal();
     let refuse = |error: &dyn std::error::Error| Refusal::new(error.to_string());
     let start = (EndKind::Start, &[giver.X_WO_start][..]);
-    let give =
-        Side::new(giver, Some(task.maps[0]), task.motion, task.grasps[0], start).map_err(|error| refuse(&error))?;
     let kind = if task.lets_go { EndKind::Goal } else { EndKind::Held };
     let end = (kind, receiver.stops.last().map_or(&[][..], |stop| &stop.poses_WO));
-    let take =
-        Side::new(receiver, Some(task.maps[1]), task.motion, task.grasps[1], end).map_err(|error| refuse(&error))?;
-    for (side, end, of) in [(&give, "start", task.grasps[0]), (&take, "goal", task.grasps[1])] {
-        if side.candidates.is_empty() {
-            let arm = &side.cell.arm().name;
-            let message = format!("none of the {} grasps of the {arm} arm serves the {end}", of.len());
-            return Err(Refusal::new(message).with_details(counted(&side.rejected)));
+    let side = |k: usize, cell, end, effort| {
+        Side::new(cell, Some(task.maps[k]), task.motion, task.grasps[k], end, effort).map_err(|error| refuse(&error))
+    };
+    let served = |side: &Side<'_>, k: usize, end: &str| {
+        if !side.candidates.is_empty() {
+            return Ok(());
         }
-    }
-    let mut take = take;
-    if let Some(handle) = task.handle.filter(|_| task.choice.receiver_first) {
-        // A stable sort: among the grasps of the handle and among the others the order stays.
-        take.candidates.sort_by_key(|candidate| candidate.grasp.part != handle);
-    }
+        let message =
+            format!("none of the {} grasps of the {} arm serves the {end}", task.grasps[k].len(), side.cell.arm().name);
+        Err(Refusal::new(message).with_details(counted(&side.rejected)))
+    };
+    let give = side(0, giver, start, Effort::Quick)?;
+    served(&give, 0, "start")?;
+    let mut sides = Sides { task, give, take: side(1, receiver, end, Effort::Quick)? };
     // Without a goal the object is drawn to the receiver.
-    let towards = || Isometry3::from_parts(Translation3::from(take.shoulder().coords), giver.X_WO_start.rotation);
+    let towards = || Isometry3::from_parts(Translation3::from(sides.take.shoulder().coords), giver.X_WO_start.rotation);
     let way = Way { X_WO_start: giver.X_WO_start, X_WO_goal: goal.unwrap_or_else(towards) };
-    let sides = Sides { task, give, take };
     let mut tries: Vec<Try> = Vec::new();
     let mut least: Option<Choices> = None;
-    let look = Look::new([&sides.give, &sides.take], task.choice.receiver_first, task.motion, task.handle, task.cost);
-    // Where the best voxels have no place, less good ones may.
-    for share in THRESHOLD_SHARES {
-        let choice = PlaceChoice { threshold: share * task.choice.threshold, ..*task.choice };
-        let should_stop = || watch.should_stop();
-        let found = choose(&look, &way, &choice, &should_stop);
-        if let Some(plan) = sides.plan_at(&found, &mut tries, watch)? {
-            return Ok(plan);
+    for effort in Effort::ALL {
+        if watch.should_stop() {
+            return Err(Refusal::new("stopped"));
         }
-        least = Some(found);
+        if effort == Effort::Thorough {
+            sides.take = side(1, receiver, end, effort)?;
+        }
+        if let Some(handle) = task.handle.filter(|_| task.choice.receiver_first) {
+            // A stable sort: among the grasps of the handle and among the others the order stays.
+            sides.take.candidates.sort_by_key(|candidate| candidate.grasp.part != handle);
+        }
+        let look = Look::new(task, [&sides.give, &sides.take], effort);
+        // Where the best voxels have no place, less good ones may.
+        for share in THRESHOLD_SHARES {
+            let choice = PlaceChoice { threshold: share * task.choice.threshold, ..*task.choice };
+            let should_stop = || watch.should_stop();
+            let found = choose(&look, &way, &choice, &should_stop);
+            if let Some(plan) = sides.plan_at(&found, &mut tries, watch)? {
+                return Ok(plan);
+            }
+            least = Some(found);
+        }
     }
+    served(&sides.take, 1, "goal")?;
     Err(sides.refusal(&least.unwrap_or_default(), tries))
 }
 
@@ -104,6 +115,8 @@ impl Sides<'_> {
         let Self { task, give, take } = self;
         let mut refused: Vec<Option<String>> = vec![None; found.choices.len()];
         for (index, choice) in found.choices.iter().enumerate().take(task.motion.max_grasps) {
+            let taking = take.serving(&take.candidates[choice.candidates[1]]);
+            let Some(taking) = taking else { continue };
             for q_take in choice.q[1].iter().take(TRIED_POSTURES) {
                 if watch.should_stop() {
                     return Err(Refusal::new("stopped"));
@@ -111,7 +124,7 @@ impl Sides<'_> {
                 let exchange = Exchange {
                     partners: task.partners,
                     give: &give.candidates[choice.candidates[0]].grasp,
-                    take: &take.candidates[choice.candidates[1]].grasp,
+                    take: &taking,
                     X_WO: choice.X_WO,
                     q_give: &choice.q[0],
                     q_take,

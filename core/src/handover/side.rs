@@ -1,6 +1,10 @@
 //! One side of a handover: an arm, its map, and the grasps that serve its own end of the way.
 
+use std::sync::OnceLock;
+
 use nalgebra::{Isometry3, Point3, Translation3};
+
+use super::effort::Effort;
 
 use crate::collision::{Checker, CollisionError, HandChecker, Scratch};
 use crate::grasp::{Grasp, Obstruction, Situated};
@@ -13,8 +17,6 @@ use crate::task::{LEAST_LIFT, MotionSettings, Workcell};
 const ARM_ANGLES: usize = 8;
 /// Configurations of a hand pose that are looked for, the most manipulable first.
 const CONFIGURATIONS: usize = 8;
-/// Poses of a soft goal that a grasp serves before no further ones are looked at.
-const ENOUGH_POSES: usize = 3;
 /// Configurations of a grasp whose straight ways are looked for later.
 const WITH_WAYS: usize = 4;
 
@@ -45,6 +47,9 @@ pub(super) struct Candidate {
     pub(super) grasp: Grasp,
     /// The closed hand among what stands around.
     pub(super) hand: HandChecker,
+    /// Where the object may be held at the end, the most manipulable first, the object not looked at; and where it is.
+    ends: Vec<Situated>,
+    end: OnceLock<Option<Situated>>,
 }
 
 /// Configurations of an arm at one pose of its hand.
@@ -65,6 +70,7 @@ impl<'a> Side<'a> {
         motion: &'a MotionSettings,
         grasps: &[Grasp],
         end: (EndKind, &[Isometry3<f64>]),
+        effort: Effort,
     ) -> Result<Self, CollisionError> {
         let empty = crate::task::Situation {
             world: cell.world.clone(),
@@ -86,7 +92,7 @@ impl<'a> Side<'a> {
             q_now: cell.arm().dofs.iter().map(|&dof| cell.q_start[dof]).collect(),
         };
         let holding: Vec<&Grasp> = grasps.iter().filter(|grasp| grasp.is_accepted()).collect();
-        let judged = parallel::map(&holding, |grasp| side.candidate(grasp, end));
+        let judged = parallel::map(&holding, |grasp| side.candidate(grasp, end, effort));
         for candidate in judged {
             match candidate? {
                 Ok(candidate) => side.candidates.push(candidate),
@@ -95,7 +101,8 @@ impl<'a> Side<'a> {
         }
         let m_g = |candidate: &Candidate| {
             let grasp = &candidate.grasp;
-            grasp.goal.as_ref().or(grasp.start.as_ref()).map_or(grasp.epsilon, |set| set.m_g)
+            let end = candidate.ends.first().or(grasp.goal.as_ref()).or(grasp.start.as_ref());
+            end.map_or(grasp.epsilon, |set| set.m_g)
         };
         // A stable sort: equal ones stay in the order of generation.
         side.candidates.sort_by(|l, r| m_g(r).total_cmp(&m_g(l)));
@@ -106,57 +113,73 @@ impl<'a> Side<'a> {
         &self,
         grasp: &Grasp,
         (kind, poses): (EndKind, &[Isometry3<f64>]),
+        effort: Effort,
     ) -> Result<Result<Candidate, Obstruction>, CollisionError> {
         let cell = self.cell;
         let hand = HandChecker::new(&cell.model, &cell.world, &cell.may_touch, cell.arm_index, &grasp.closed)?;
-        let mut candidate = Candidate { grasp: grasp.clone(), hand };
+        let mut candidate = Candidate { grasp: grasp.clone(), hand, ends: Vec::new(), end: OnceLock::new() };
         candidate.grasp.start = None;
         candidate.grasp.goal = None;
-        if poses.is_empty() {
-            return Ok(Ok(candidate));
-        }
-        let mut best: Option<(&Isometry3<f64>, Held)> = None;
         let mut first = None;
-        let mut served = 0;
-        for X_WO in poses {
-            if served == ENOUGH_POSES {
+        for X_WO in &poses[..poses.len().min(effort.poses())] {
+            if candidate.ends.len() == effort.served_poses() {
                 break;
             }
             let X_WH = X_WO * grasp.X_OH;
-            match self.held(&candidate, &X_WH).and_then(|held| self.with_ways(held, kind, &X_WH)) {
-                Ok(held) => {
-                    served += 1;
-                    if best.as_ref().is_none_or(|(_, known)| known.m_g < held.m_g) {
-                        best = Some((X_WO, held));
-                    }
-                }
+            let held = self.held(&candidate, &X_WH);
+            match held.and_then(|held| if kind == EndKind::Held { Ok(held) } else { self.with_ways(held, &X_WH) }) {
+                Ok(Held { q, m_g }) => candidate.ends.push(Situated {
+                    X_WO: *X_WO,
+                    poses: poses.len(),
+                    m_g,
+                    ik_count: q.len(),
+                    with_ways: (0..q.len().min(WITH_WAYS)).collect(),
+                    solutions: q,
+                    ..Situated::default()
+                }),
                 Err(reason) => first = first.or(Some(reason)),
             }
         }
-        let none = || Obstruction::Invalid { reason: "no arm configuration".to_owned() };
-        let Some((&X_WO, held)) = best else { return Ok(Err(first.unwrap_or_else(none))) };
-        let situated = Situated {
-            X_WO,
-            poses: poses.len(),
-            m_g: held.m_g,
-            ik_count: held.q.len(),
-            with_ways: (0..held.q.len().min(WITH_WAYS)).collect(),
-            solutions: held.q,
-            ..Situated::default()
-        };
-        match kind {
-            EndKind::Start => candidate.grasp.start = Some(situated),
-            EndKind::Goal | EndKind::Held => candidate.grasp.goal = Some(situated),
+        if candidate.ends.is_empty() && !poses.is_empty() {
+            return Ok(
+                Err(first.unwrap_or_else(|| Obstruction::Invalid { reason: "no arm configuration".to_owned() })),
+            );
         }
+        // A stable sort: equal ones stay in the order of the poses.
+        candidate.ends.sort_by(|l, r| r.m_g.total_cmp(&l.m_g));
+        match kind {
+            EndKind::Start => candidate.grasp.start = candidate.ends.first().cloned(),
+            EndKind::Goal => candidate.grasp.goal = candidate.ends.first().cloned(),
+            // Where it is held, the object is in the arm's way too: that is looked at for few.
+            EndKind::Held => return Ok(Ok(candidate)),
+        }
+        candidate.ends.clear();
         Ok(Ok(candidate))
+    }
+
+    /// The grasp with the end of the way that it serves; `None` if the object in the hand hits something there. What is
+    /// found out is kept.
+    pub(super) fn serving(&self, candidate: &Candidate) -> Option<Grasp> {
+        if candidate.ends.is_empty() {
+            return Some(candidate.grasp.clone());
+        }
+        let look = || {
+            let carrying = self.cell.carrying(&candidate.grasp, &[]).and_then(|carrying| self.cell.checker(&carrying));
+            let carrying = carrying.ok()?;
+            let mut scratch = Scratch::default();
+            candidate.ends.iter().find_map(|end| {
+                let free = end.solutions.iter().filter(|q| carrying.is_free(&mut scratch, q));
+                let solutions: Vec<Vec<f64>> = free.cloned().collect();
+                (!solutions.is_empty()).then(|| Situated { solutions, ..end.clone() })
+            })
+        };
+        let end = candidate.end.get_or_init(look).clone()?;
+        Some(Grasp { goal: Some(end), ..candidate.grasp.clone() })
     }
 
     /// The configurations from which the hand can back off and, where the object stands on something, rise with it: at
     /// the ends of these ways the arm is looked at, the motions are proven later.
-    fn with_ways(&self, held: Held, kind: EndKind, X_WH: &Isometry3<f64>) -> Result<Held, Obstruction> {
-        if kind == EndKind::Held {
-            return Ok(held);
-        }
+    fn with_ways(&self, held: Held, X_WH: &Isometry3<f64>) -> Result<Held, Obstruction> {
         let back = X_WH * Translation3::new(0.0, 0.0, -self.motion.min_approach_m);
         let up = Translation3::new(0.0, 0.0, LEAST_LIFT * self.motion.lift_m) * X_WH;
         let ends = [back, up].map(|X_WH_end| self.X_WB.inv_mul(&X_WH_end));
@@ -265,7 +288,7 @@ pub(crate) fn count_serving(
     poses: &[Isometry3<f64>],
 ) -> Result<usize, CollisionError> {
     let end = (EndKind::Goal, poses);
-    Ok(if poses.is_empty() { 0 } else { Side::new(cell, None, motion, grasps, end)?.candidates.len() })
+    Ok(if poses.is_empty() { 0 } else { Side::new(cell, None, motion, grasps, end, Effort::Quick)?.candidates.len() })
 }
 
 /// Which end of the object's way a side serves.

@@ -11,7 +11,7 @@ use crate::task::Stop;
 /// Room left between the object and what it is put on, metres: it is let go just above.
 const SETTLE_GAP_M: f64 = 0.002;
 /// Poses that stand for a soft goal.
-const SOFT_POSES: u32 = 24;
+pub(super) const SOFT_POSES: u32 = 24;
 
 /// The stops of the task for the fit: poses in W of the object frame O, the axes of the fit's main superquadric.
 ///
@@ -19,11 +19,11 @@ const SOFT_POSES: u32 = 24;
 /// the result is moved along z until the lowest point of all its bodies is just above what it shall stand on. For a
 /// dropped cloud the described object does not exist: only the motion's translation is taken, except where the goal
 /// turns the object about the vertical or tilts it relative to its start, which it does in the same way.
-pub(super) fn stops(scene: &Scene, fitted: &Fit, is_dropped: bool) -> Vec<Stop> {
-    scene.task.steps.iter().map(|step| stop(scene, step, fitted, is_dropped)).collect()
+pub(super) fn stops(scene: &Scene, fitted: &Fit, is_dropped: bool, soft_poses: u32) -> Vec<Stop> {
+    scene.task.steps.iter().map(|step| stop(scene, step, fitted, is_dropped, soft_poses)).collect()
 }
 
-fn stop(scene: &Scene, step: &Step, fitted: &Fit, is_dropped: bool) -> Stop {
+fn stop(scene: &Scene, step: &Step, fitted: &Fit, is_dropped: bool, count: u32) -> Stop {
     let X_WO_start = scene.objects[scene.task.object].X_WO;
     let X_WS = fitted.superquadric.X_FS;
     let wanted = if is_dropped {
@@ -36,7 +36,7 @@ fn stop(scene: &Scene, step: &Step, fitted: &Fit, is_dropped: bool) -> Stop {
         Action::Put | Action::Slide => settle(scene, fitted, &X_WO),
         Action::Pour { .. } => X_WO,
     };
-    let poses_WO = soft_poses(&step.freedom, &wanted, &up_O).into_iter().map(settled).collect();
+    let poses_WO = soft_poses(&step.freedom, &wanted, &up_O, count).into_iter().map(settled).collect();
     Stop { action: step.action, poses_WO, keep_upright_rad: step.keep_upright_rad }
 }
 
@@ -56,13 +56,13 @@ pub(super) fn settle(scene: &Scene, fitted: &Fit, X_WO: &Isometry3<f64>) -> Isom
 /// 5, 7, 11).
 ///
 /// `up_O` is the object's upright axis in O.
-fn soft_poses(freedom: &Freedom, X_WO: &Isometry3<f64>, up_O: &Vector3<f64>) -> Vec<Isometry3<f64>> {
+fn soft_poses(freedom: &Freedom, X_WO: &Isometry3<f64>, up_O: &Vector3<f64>, count: u32) -> Vec<Isometry3<f64>> {
     let mut poses = vec![*X_WO];
     if freedom.is_none() {
         return poses;
     }
     let either_side = |u: f64| 2.0 * u - 1.0;
-    poses.extend((1..SOFT_POSES).map(|k| {
+    poses.extend((1..count).map(|k| {
         let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), either_side(halton(k, 2)) * freedom.yaw_rad);
         // Uniform over the cap of the cone: 1 − cos θ is uniform.
         let (_, cos_half) = sin_cos(freedom.cone_rad);
@@ -116,7 +116,7 @@ mod tests {
             UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 0.3),
         );
         let up_O = X_WO.rotation.inverse() * Vector3::z();
-        let poses = soft_poses(&freedom, &X_WO, &up_O);
+        let poses = soft_poses(&freedom, &X_WO, &up_O, SOFT_POSES);
         assert_eq!((poses.len(), poses[0]), (SOFT_POSES as usize, X_WO));
         let mut widest = [0.0_f64; 3];
         for pose in &poses {
@@ -126,13 +126,13 @@ mod tests {
             widest = [widest[0].max(shift.x.abs()), widest[1].max(shift.y.abs()), widest[2].max(tilt)];
         }
         assert!(widest[0] > 0.08 && widest[1] > 0.04 && widest[2] > 0.33, "{widest:?}");
-        assert_eq!(soft_poses(&Freedom::default(), &X_WO, &up_O), [X_WO], "a hard goal is one pose");
+        assert_eq!(soft_poses(&Freedom::default(), &X_WO, &up_O, SOFT_POSES), [X_WO], "a hard goal is one pose");
     }
 
     #[test]
     fn a_free_yaw_keeps_the_object_upright() {
         let freedom = Freedom { yaw_rad: std::f64::consts::PI, ..Freedom::default() };
-        let poses = soft_poses(&freedom, &Isometry3::identity(), &Vector3::z());
+        let poses = soft_poses(&freedom, &Isometry3::identity(), &Vector3::z(), SOFT_POSES);
         let angles: Vec<f64> = poses.iter().map(|pose| pose.rotation.euler_angles().2).collect();
         for pose in &poses {
             assert!((pose.rotation * Vector3::z() - Vector3::z()).norm() < 1e-12);

@@ -25,6 +25,8 @@ use crate::watch::Watch;
 
 /// A body this many times as long as wide is a handle.
 const SLENDER: f64 = 3.0;
+/// Poses of a soft goal of the receiver that may be looked at.
+const GOAL_POSES: u32 = 96;
 /// What reasons call the floor.
 const FLOOR: &str = "floor";
 /// The floor: an upper face just below 0, so that what stands on it does not touch it, metres.
@@ -118,7 +120,7 @@ impl HandoverInput<'_> {
             arm_index,
             ik: ArmIk::of(robot, arm).map_err(|error| refusal(&error))?,
             hand: HandModel::new(robot, arm),
-            stops: stops(self.scene, self.target, self.is_dropped),
+            stops: stops(self.scene, self.target, self.is_dropped, GOAL_POSES),
             ..self.giver.clone()
         };
         // At the handover nothing but the giver stands around the object.

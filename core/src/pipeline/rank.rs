@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{Isometry3, Point3};
 
+use super::goal::{SOFT_POSES, stops};
 use super::situate::situate_all;
 use crate::collision::{ConvexHull, HandChecker, TriangleSurface, World};
 use crate::fit::Fit;
@@ -73,7 +74,7 @@ pub(crate) fn workcell(
         target_O,
         X_WO_start: target.superquadric.X_FS,
         // The goal of a handover is the receiver's.
-        stops: if scene.handover.is_some() { Vec::new() } else { super::goal::stops(scene, target, is_dropped) },
+        stops: if scene.handover.is_some() { Vec::new() } else { stops(scene, target, is_dropped, SOFT_POSES) },
         may_touch: Vec::new(),
         robot,
     })
@@ -82,7 +83,7 @@ pub(crate) fn workcell(
 /// The wanted pose of the object at the end of the task.
 pub(super) fn X_WO_goal(scene: &Scene, fits: &FitOutput, is_dropped: bool) -> Option<Isometry3<f64>> {
     let target = fits.fits.get(fits.target)?.as_ref().ok()?;
-    super::goal::stops(scene, target, is_dropped).last()?.poses_WO.first().copied()
+    stops(scene, target, is_dropped, SOFT_POSES).last()?.poses_WO.first().copied()
 }
 
 /// There is nothing to grasp.

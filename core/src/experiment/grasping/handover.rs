@@ -188,12 +188,21 @@ pub fn run_handover(
             stream: ((1000 + number as u64) << 32) + case as u64,
         }));
     }
+    let known: Vec<String> =
+        asked.chunk_by(|l, r| l.scenario == r.scenario).map(|same| same[0].scenario.clone()).collect();
+    if let Some(name) = settings.scenarios.iter().find(|name| !known.contains(name)) {
+        return Err(ExperimentRefusal::Setup {
+            reason: format!("no scenario {name:?}; there are {}", known.join(", ")),
+        });
+    }
+    // The draws of a scenario do not depend on which others run.
+    asked.retain(|asked| settings.scenarios.is_empty() || settings.scenarios.contains(&asked.scenario));
     let work = || {
         let done = AtomicUsize::new(0);
-        let judged = parallel::map(&asked, |asked| {
-            let case = judge(settings, asked, watch)?;
+        let judged = parallel::map(&asked, |one| {
+            let case = judge(settings, one, watch)?;
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-            watch.progress(done as f64 / count_of(settings, trials) as f64, &format!("{done} cases"));
+            watch.progress(done as f64 / asked.len() as f64, &format!("{done} cases"));
             Ok(case)
         });
         let cases: Vec<HandoverCase> = judged.into_iter().collect::<Result<_, ExperimentRefusal>>()?;
@@ -208,10 +217,6 @@ pub fn run_handover(
         Ok(HandoverOutcome { rows, cases })
     };
     if settings.is_serial { parallel::on_one_thread(work) } else { work() }
-}
-
-fn count_of(settings: &GraspExperimentSettings, trials: usize) -> usize {
-    trials * (2 * settings.scenes.len() + settings.robots.len())
 }
 
 fn judge(

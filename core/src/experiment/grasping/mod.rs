@@ -94,6 +94,8 @@ pub struct GraspExperimentSettings {
     pub planner: Planner,
     /// Scenes with a handover that cases are drawn around (experiment `handover`).
     pub scenes: Vec<Scene>,
+    /// Scenarios to run, by name (experiment `handover`); empty for all.
+    pub scenarios: Vec<String>,
     /// Seed of everything random.
     pub seed: u64,
     /// One case after the other on one processor, so that times mean something.

@@ -21,6 +21,7 @@ pub(super) fn settings(objects: &[&str]) -> GraspExperimentSettings {
         any_way: false,
         planner: Default::default(),
         scenes: Vec::new(),
+        scenarios: Vec::new(),
         seed: 1,
         is_serial: false,
     }
