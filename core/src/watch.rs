@@ -25,6 +25,14 @@ impl<'a> Watch<'a> {
         Watch { should_stop: &|| false, progress: &|_, _| (), now_ms: &|| 0.0 }
     }
 
+    /// The same watch with another reason to stop.
+    pub(crate) fn stopping_when<'b>(self, should_stop: &'b (dyn Fn() -> bool + Sync)) -> Watch<'b>
+    where
+        'a: 'b,
+    {
+        Watch { should_stop, ..self }
+    }
+
     /// Whether the routine should give up as soon as it can.
     pub fn should_stop(&self) -> bool {
         (self.should_stop)()

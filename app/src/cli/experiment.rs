@@ -56,6 +56,9 @@ pub(super) struct Args {
     /// One fit or case after the other on one processor: gives times.
     #[arg(long)]
     pub(super) serial: bool,
+    /// One case after the other, each on all processors: gives times as a user sees them, in the experiments on grasps.
+    #[arg(long, conflicts_with = "serial")]
+    pub(super) in_turn: bool,
     /// File that receives the rows: .csv or .json.
     #[arg(long)]
     pub(super) out: Option<PathBuf>,
@@ -132,6 +135,9 @@ fn settings(experiment: Experiment, args: &Args, common: &Common) -> Result<Expe
     }
     if args.robot.is_some() {
         return refuse("--robot", "it has no robot");
+    }
+    if args.in_turn {
+        return refuse("--in-turn", "one fit runs on one processor: --serial");
     }
     if args.any_way {
         return refuse("--any-way", "nothing is grasped");

@@ -1,7 +1,7 @@
 //! `experiment`, the tables on grasps and plans: `prioritization`, `grasps` and `motion`.
 
 use endcomfort_core::experiment::{
-    FeasibleRow, GraspExperiment, GraspExperimentSettings, HandoverRow, MotionRow, PriorityRow, Record, Summary,
+    FeasibleRow, GraspExperiment, GraspExperimentSettings, HandoverRow, MotionRow, Pace, PriorityRow, Record, Summary,
     run_feasible, run_handover, run_motion, run_prioritization, thesis_handover,
 };
 
@@ -90,7 +90,11 @@ fn settings(args: &Args, common: &Common) -> Result<GraspExperimentSettings, Fai
         scenarios: args.scenario.clone(),
         planner: args.planner.map(Planner::from).unwrap_or_default(),
         seed: common.seed.unwrap_or(1),
-        is_serial: args.serial,
+        pace: match (args.serial, args.in_turn) {
+            (true, _) => Pace::OneProcessor,
+            (false, true) => Pace::InTurn,
+            (false, false) => Pace::SideBySide,
+        },
     })
 }
 
@@ -109,7 +113,11 @@ fn write<R: Record, C: Record>(args: &Args, common: &Common, rows: &[R], cases: 
 
 fn print_head(experiment: GraspExperiment, settings: &GraspExperimentSettings, elapsed_s: f64) {
     println!("{}: {}", experiment.name(), experiment.about());
-    let threads = if settings.is_serial { "one case after the other" } else { "cases side by side, so without times" };
+    let threads = match settings.pace {
+        Pace::SideBySide => "cases side by side, so without times",
+        Pace::InTurn => "one case after the other on all processors",
+        Pace::OneProcessor => "one case after the other on one processor",
+    };
     let boxes = match settings.clutter {
         0 => String::from("nothing else on the table"),
         count => format!("{count} boxes beside the object"),

@@ -38,7 +38,7 @@ pub use equivalence::{EXPONENT_TOLERANCE, equivalent_exponents, exponent_error};
 pub use grasping::{
     Condition, ENOUGH, Excluded, ExcludedCounts, FeasibleCase, FeasibleOutcome, FeasibleRow, GraspExperiment,
     GraspExperimentSettings, Handed, HandoverCase, HandoverOutcome, HandoverRow, MotionCase, MotionOutcome, MotionRow,
-    Planned, PrioritizationOutcome, PriorityCase, PriorityRow, ThesisHandover, ThesisPriority, run_feasible,
+    Pace, Planned, PrioritizationOutcome, PriorityCase, PriorityRow, ThesisHandover, ThesisPriority, run_feasible,
     run_handover, run_motion, run_prioritization, thesis_handover, thesis_priority,
 };
 pub use object_views::{ObjectView, household_views};

@@ -101,7 +101,7 @@ pub(super) struct Look<'a> {
 /// What is known about a pose of the object and the giver there.
 #[derive(Default)]
 struct Given {
-    object_is_free: Option<bool>,
+    promising: Option<Vec<usize>>,
     held: Vec<Option<Option<Held>>>,
 }
 
@@ -116,9 +116,7 @@ impl<'a> Look<'a> {
     fn at(&self, spot: &Spot) -> Option<Choice> {
         match &spot.pose {
             SpotPose::ReceiverHand(X_WH) => {
-                if !self.receiver.may_reach(X_WH) {
-                    return None;
-                }
+                self.receiver.promise(X_WH, self.effort)?;
                 let takes = 0..self.receiver.candidates.len();
                 let free = takes.filter(|&take| self.receiver.candidates[take].hand.first_hit(X_WH).is_none());
                 let free: Vec<usize> = free.take(self.effort.tried_grasps()).collect();
@@ -138,8 +136,9 @@ impl<'a> Look<'a> {
                 let mut given = Given::default();
                 let candidates = self.receiver.candidates.iter().enumerate();
                 let held = candidates.filter_map(|(take, candidate)| {
-                    let held = self.receiver.held(candidate, &(X_WO * candidate.grasp.X_OH));
-                    held.ok().map(|held| (take, held))
+                    let X_WH = X_WO * candidate.grasp.X_OH;
+                    self.receiver.promise(&X_WH, self.effort)?;
+                    self.receiver.held(candidate, &X_WH).ok().map(|held| (take, held))
                 });
                 held.take(self.effort.tried_grasps()).find_map(|(take, held)| {
                     let (give, given) = self.best_giver(X_WO, take, &mut given)?;
@@ -153,28 +152,43 @@ impl<'a> Look<'a> {
     /// The giver's most manipulable grasp that leaves room for the receiver's; what is found out about a pose of the
     /// object is kept.
     fn best_giver(&self, X_WO: &Isometry3<f64>, take: usize, known: &mut Given) -> Option<(usize, Held)> {
-        let mut best: Option<(usize, &Held)> = None;
+        let Given { promising, held } = known;
+        let mut best: Option<(usize, f64)> = None;
         let mut found = 0;
-        let Given { object_is_free, held } = known;
-        if !*object_is_free.get_or_insert_with(|| self.giver.cell.object_hits(X_WO).is_none()) {
-            return None;
-        }
         held.resize_with(self.giver.candidates.len(), || None);
-        for (give, (candidate, held)) in self.giver.candidates.iter().zip(held).enumerate() {
+        for &give in promising.get_or_insert_with(|| self.promising_givers(X_WO)).iter() {
             if !self.come_and_go(give, take) {
                 continue;
             }
+            let candidate = &self.giver.candidates[give];
             let look = || self.giver.held(candidate, &(X_WO * candidate.grasp.X_OH)).ok();
-            let Some(held) = held.get_or_insert_with(look) else { continue };
+            let Some(held) = held[give].get_or_insert_with(look) else { continue };
             found += 1;
-            if best.as_ref().is_none_or(|(_, known)| known.m_g < held.m_g) {
-                best = Some((give, held));
+            if best.is_none_or(|(_, m_g)| m_g < held.m_g) {
+                best = Some((give, held.m_g));
             }
             if found == COMPARED_GIVERS {
                 break;
             }
         }
-        best.map(|(give, held)| (give, held.clone()))
+        let (give, _) = best?;
+        Some((give, held[give].clone()??))
+    }
+
+    /// The giver's grasps of which its map promises something at a pose of the object, the most manipulable first; none
+    /// where the object itself cannot be.
+    fn promising_givers(&self, X_WO: &Isometry3<f64>) -> Vec<usize> {
+        if self.giver.cell.object_hits(X_WO).is_some() {
+            return Vec::new();
+        }
+        let promise = |give: usize| {
+            let X_WH = X_WO * self.giver.candidates[give].grasp.X_OH;
+            self.giver.promise(&X_WH, self.effort).map(|m| (give, m))
+        };
+        let mut promising: Vec<(usize, f64)> = (0..self.giver.candidates.len()).filter_map(promise).collect();
+        // A stable sort: equal ones stay in the order of the candidates.
+        promising.sort_by(|l, r| r.1.total_cmp(&l.1));
+        promising.into_iter().map(|(give, _)| give).collect()
     }
 
     /// Whether both hands can hold the object together, the receiver's open hand can come while the giver holds it, and

@@ -12,6 +12,7 @@ use super::settings::PlaceChoice;
 use super::side::{EndKind, Side};
 use crate::grasp::{Grasp, Obstruction};
 use crate::job::Refusal;
+use crate::parallel;
 use crate::reach::ReachMap;
 use crate::task::{Exchange, Failure, MotionSettings, Partners, Plan, Try, certify, plan_exchange};
 use crate::watch::Watch;
@@ -113,42 +114,49 @@ impl Sides<'_> {
     /// A plan at the first of the places that allows one; what fails is added to the tries.
     fn plan_at(&self, found: &Choices, tries: &mut Vec<Try>, watch: Watch<'_>) -> Result<Option<Plan>, Refusal> {
         let Self { task, give, take } = self;
-        let mut refused: Vec<Option<String>> = vec![None; found.choices.len()];
-        for (index, choice) in found.choices.iter().enumerate().take(task.motion.max_grasps) {
-            let taking = take.serving(&take.candidates[choice.candidates[1]]);
-            let Some(taking) = taking else { continue };
-            for q_take in choice.q[1].iter().take(TRIED_POSTURES) {
-                if watch.should_stop() {
-                    return Err(Refusal::new("stopped"));
-                }
-                let exchange = Exchange {
-                    partners: task.partners,
-                    give: &give.candidates[choice.candidates[0]].grasp,
-                    take: &taking,
-                    X_WO: choice.X_WO,
-                    q_give: &choice.q[0],
-                    q_take,
-                    lets_go: task.lets_go,
-                    hand_speed_m_s: task.choice.hand_speed_m_s,
-                    seed: task.seed,
-                };
-                match plan_exchange(&exchange, task.motion, watch) {
-                    Ok(mut plan) => {
-                        certify(&mut plan, &|plan, phase| Cow::Owned(task.partners.during(plan, phase)))?;
-                        plan.tries = std::mem::take(tries);
-                        plan.handover = Some(Box::new(self.report(found, refused, index)));
-                        return Ok(Some(plan));
-                    }
-                    Err(failure) => {
-                        let Failure { leg, tried } = *failure;
-                        let who = [give, take][leg].cell.arm().name.clone();
-                        refused[index].get_or_insert_with(|| format!("{who}: {tried}"));
-                        tries.push(Try { arm: Some(who), X_WO: Some(choice.X_WO), ..tried });
-                    }
-                }
-            }
+        // A choice is only made of grasps that serve their end.
+        let taking = |choice: &Choice| take.serving(&take.candidates[choice.candidates[1]]);
+        let choices = found.choices.iter().take(task.motion.max_grasps).map(|choice| (choice, taking(choice)));
+        let tasks: Vec<(usize, &Choice, Grasp, &Vec<f64>)> = choices
+            .enumerate()
+            .filter_map(|(index, (choice, taking))| Some((index, choice, taking?)))
+            .flat_map(|(index, choice, taking)| {
+                let postures = choice.q[1].iter().take(TRIED_POSTURES);
+                postures.map(move |q_take| (index, choice, taking.clone(), q_take))
+            })
+            .collect();
+        let tried = parallel::first(&tasks, |(index, choice, taking, q_take), is_beaten| {
+            let should_stop = || is_beaten() || watch.should_stop();
+            let exchange = Exchange {
+                partners: task.partners,
+                give: &give.candidates[choice.candidates[0]].grasp,
+                take: taking,
+                X_WO: choice.X_WO,
+                q_give: &choice.q[0],
+                q_take,
+                lets_go: task.lets_go,
+                hand_speed_m_s: task.choice.hand_speed_m_s,
+                seed: task.seed,
+            };
+            plan_exchange(&exchange, task.motion, watch.stopping_when(&should_stop)).map_err(|failure| {
+                let Failure { leg, tried } = *failure;
+                let who = [give, take][leg].cell.arm().name.clone();
+                Box::new((*index, Try { arm: Some(who), X_WO: Some(choice.X_WO), ..tried }))
+            })
+        });
+        if watch.should_stop() {
+            return Err(Refusal::new("stopped"));
         }
-        Ok(None)
+        let mut refused: Vec<Option<String>> = vec![None; found.choices.len()];
+        for (index, tried) in tried.failed.into_iter().map(|failed| *failed) {
+            refused[index].get_or_insert_with(|| format!("{}: {tried}", tried.arm.as_deref().unwrap_or_default()));
+            tries.push(tried);
+        }
+        let Some((number, mut plan)) = tried.worked else { return Ok(None) };
+        certify(&mut plan, &|plan, phase| Cow::Owned(task.partners.during(plan, phase)))?;
+        plan.tries = std::mem::take(tries);
+        plan.handover = Some(Box::new(self.report(found, refused, tasks[number].0)));
+        Ok(Some(plan))
     }
 
     fn report(&self, found: &Choices, refused: Vec<Option<String>>, chosen: usize) -> HandoverReport {

@@ -215,9 +215,20 @@ impl<'a> Side<'a> {
         }
     }
 
-    /// Whether a pose of the hand is near enough to the arm's base; whether the arm reaches it is not said.
-    pub(super) fn may_reach(&self, X_WH: &Isometry3<f64>) -> bool {
-        self.cell.ik.reach_gap_m(&self.X_WB.inv_mul(X_WH), &self.q_now) <= 0.0
+    /// The manipulability that the map promises for a pose of the hand, if it is worth a closer look: quickly, if the map
+    /// says that the arm gets there; thoroughly, if the arm is long enough.
+    pub(super) fn promise(&self, X_WH: &Isometry3<f64>, effort: Effort) -> Option<f64> {
+        let X_BH = self.X_WB.inv_mul(X_WH);
+        let known = self.map.and_then(|map| {
+            let (voxel, orientation) = map.nearest(&X_BH)?;
+            map.manipulability(voxel, orientation)
+        });
+        match effort {
+            Effort::Quick => known,
+            Effort::Thorough => {
+                (self.cell.ik.reach_gap_m(&X_BH, &self.q_now) <= 0.0).then(|| known.unwrap_or_default())
+            }
+        }
     }
 
     /// Configurations that bring the hand to a pose, the hand itself not looked at.

@@ -17,7 +17,6 @@ use crate::fit::FitSettings;
 use crate::grasp::Touched;
 use crate::handover::Handover;
 use crate::job::Refusal;
-use crate::parallel;
 use crate::pipeline::{HandoverInput, acting, grasp_candidates, workcell};
 use crate::rng::Rng;
 use crate::scene::Scene;
@@ -199,7 +198,7 @@ pub fn run_handover(
     asked.retain(|asked| settings.scenarios.is_empty() || settings.scenarios.contains(&asked.scenario));
     let work = || {
         let done = AtomicUsize::new(0);
-        let judged = parallel::map(&asked, |one| {
+        let judged = settings.pace.map(&asked, |one| {
             let case = judge(settings, one, watch)?;
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             watch.progress(done as f64 / asked.len() as f64, &format!("{done} cases"));
@@ -216,7 +215,7 @@ pub fn run_handover(
         let rows = groups.iter().map(|group| HandoverRow::of(group, other_order(group))).collect();
         Ok(HandoverOutcome { rows, cases })
     };
-    if settings.is_serial { parallel::on_one_thread(work) } else { work() }
+    settings.pace.run(work)
 }
 
 fn judge(
@@ -265,7 +264,7 @@ fn judge(
         receiver_first: asked.receiver_first,
         case: asked.case,
         planned,
-        times_ms: settings.is_serial.then_some([drawn.synthesis_ms, plan_ms]),
+        times_ms: settings.pace.has_times().then_some([drawn.synthesis_ms, plan_ms]),
     })
 }
 

@@ -10,6 +10,7 @@ mod handover;
 mod handover_cases;
 mod known;
 mod motion;
+mod pace;
 mod prioritization;
 mod priority_row;
 mod reference;
@@ -20,6 +21,7 @@ pub use cases::Condition;
 pub use feasible::{ENOUGH, FeasibleCase, FeasibleOutcome, FeasibleRow, run_feasible};
 pub use handover::{Handed, HandoverCase, HandoverOutcome, HandoverRow, ThesisHandover, run_handover, thesis_handover};
 pub use motion::{MotionCase, MotionOutcome, MotionRow, Planned, run_motion};
+pub use pace::Pace;
 pub use prioritization::{PrioritizationOutcome, run_prioritization};
 pub use priority_row::{Excluded, ExcludedCounts, PriorityCase, PriorityRow};
 pub use reference::{ThesisPriority, thesis_priority};
@@ -98,8 +100,8 @@ pub struct GraspExperimentSettings {
     pub scenarios: Vec<String>,
     /// Seed of everything random.
     pub seed: u64,
-    /// One case after the other on one processor, so that times mean something.
-    pub is_serial: bool,
+    /// What runs at the same time.
+    pub pace: Pace,
 }
 
 impl GraspExperimentSettings {

@@ -14,7 +14,6 @@ use crate::experiment::record::{Cell, Record};
 use crate::experiment::summary::Summary;
 use crate::grasp::Touched;
 use crate::job::Refusal;
-use crate::parallel;
 use crate::pipeline::{TaskInput, grasp_candidates, ranked, workcell};
 use crate::plan::{ArmSpace, MotionLimits};
 use crate::task::{Phase, Plan, Workcell};
@@ -124,7 +123,7 @@ pub fn run_motion(settings: &GraspExperimentSettings, watch: Watch<'_>) -> Resul
             }
         }
         let done = AtomicUsize::new(0);
-        let judged = parallel::map(&asked, |&(robot, condition, case, stream)| {
+        let judged = settings.pace.map(&asked, |&(robot, condition, case, stream)| {
             let case = judge(settings, &objects, robot, condition, case, stream, watch)?;
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             watch.progress(done as f64 / asked.len() as f64, &format!("{done} of {}", asked.len()));
@@ -134,7 +133,7 @@ pub fn run_motion(settings: &GraspExperimentSettings, watch: Watch<'_>) -> Resul
         let rows = cases.chunk_by(|l, r| l.robot == r.robot && l.condition == r.condition).map(MotionRow::of).collect();
         Ok(MotionOutcome { rows, cases })
     };
-    if settings.is_serial { parallel::on_one_thread(work) } else { work() }
+    settings.pace.run(work)
 }
 
 fn judge(
@@ -186,7 +185,7 @@ fn judge(
         arm: drawn.scene.arm.name(),
         accepted: ranked.iter().filter(|grasp| grasp.is_accepted()).count(),
         planned,
-        times_ms: settings.is_serial.then_some([ranked_ms - begin_ms, end_ms - ranked_ms]),
+        times_ms: settings.pace.has_times().then_some([ranked_ms - begin_ms, end_ms - ranked_ms]),
     })
 }
 
@@ -312,7 +311,7 @@ mod tests {
             planned += row.success;
         }
         assert!(planned >= 3, "{:?}", outcome.rows);
-        let again = parallel::on_one_thread(run);
+        let again = crate::parallel::on_one_thread(run);
         assert_eq!(csv(&outcome.cases), csv(&again.cases));
     }
 }

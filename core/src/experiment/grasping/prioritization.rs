@@ -14,7 +14,6 @@ use super::{GraspExperiment, GraspExperimentSettings};
 use crate::experiment::ExperimentRefusal;
 use crate::grasp::{Grasp, GraspStatus, RankBy, RankSettings, Touched, rank};
 use crate::job::Refusal;
-use crate::parallel;
 use crate::pipeline::{grasp_candidates, ranked, workcell};
 use crate::scene::Scene;
 use crate::task::{LegTask, MotionSettings, Workcell, plan_leg};
@@ -55,13 +54,13 @@ pub fn run_prioritization(
                 let series =
                     Series { settings, objects: &objects, robot, condition, first_stream, progress: &progress };
                 let cases = series.run(trials(condition))?;
-                outcome.rows.extend(PriorityRow::of(&cases, settings.is_serial));
+                outcome.rows.extend(PriorityRow::of(&cases, settings.pace.has_times()));
                 outcome.cases.extend(cases);
             }
         }
         Ok(outcome)
     };
-    if settings.is_serial { parallel::on_one_thread(work) } else { work() }
+    settings.pace.run(work)
 }
 
 struct Progress<'a> {
@@ -107,7 +106,7 @@ impl Series<'_> {
             // As many as are missing, so no case is drawn that may not be needed.
             let batch: Vec<usize> = (draws..draws + trials - found).collect();
             draws += batch.len();
-            for judged in parallel::map(&batch, |&draw| self.judge(draw)) {
+            for judged in self.settings.pace.map(&batch, |&draw| self.judge(draw)) {
                 let judged = judged?;
                 found += usize::from(judged.iter().all(|case| case.excluded.is_none()));
                 cases.extend(judged);
@@ -184,7 +183,7 @@ impl Series<'_> {
                 m_g_goal: grasp.goal.as_ref().map(|set| set.m_g),
                 setback,
                 tried,
-                planning_time_s: self.settings.is_serial.then_some(time_s),
+                planning_time_s: self.settings.pace.has_times().then_some(time_s),
                 ..blank.clone()
             });
         }
@@ -240,7 +239,7 @@ mod tests {
             assert_eq!(row.thesis.is_some(), is_the_thesis_s);
             assert!(row.planning_time_s.is_none(), "cases ran side by side");
         }
-        let again = parallel::on_one_thread(run);
+        let again = crate::parallel::on_one_thread(run);
         assert_eq!(csv(&outcome.rows), csv(&again.rows));
         assert_eq!(csv(&outcome.cases), csv(&again.cases));
     }
@@ -285,7 +284,7 @@ mod tests {
         let ticks = std::sync::atomic::AtomicU32::new(0);
         let clock = || f64::from(ticks.fetch_add(1, Ordering::Relaxed));
         let watch = Watch::new(&|| false, &|_, _| (), &clock);
-        let settings = GraspExperimentSettings { is_serial: true, ..settings(&OBJECTS) };
+        let settings = GraspExperimentSettings { pace: crate::experiment::Pace::OneProcessor, ..settings(&OBJECTS) };
         let outcome = run_prioritization(&settings, watch).unwrap();
         assert!(outcome.rows.iter().all(|row| row.planning_time_s.is_some_and(|time_s| time_s.mean >= 0.001)));
     }

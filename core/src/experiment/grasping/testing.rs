@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::GraspExperimentSettings;
+use super::{GraspExperimentSettings, Pace};
 use crate::library::Library;
 
 /// One trial per condition on Alita with these objects.
@@ -23,6 +23,6 @@ pub(super) fn settings(objects: &[&str]) -> GraspExperimentSettings {
         scenes: Vec::new(),
         scenarios: Vec::new(),
         seed: 1,
-        is_serial: false,
+        pace: Pace::SideBySide,
     }
 }
