@@ -1,8 +1,8 @@
 //! An orbit camera: right-handed, z up, in f64 until its matrices are written for the GPU.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
-use nalgebra::{Matrix4, Point2, Point3, Unit, Vector3};
+use nalgebra::{Matrix4, Point2, Point3, Rotation3, Unit, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::Bounds;
@@ -20,15 +20,42 @@ pub enum Projection {
     Orthographic,
 }
 
-/// The views with names; the keys 1, 3 and 7.
+/// The views with names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Named {
     /// Facing a robot that looks along +x: from +x, with +y to the right.
     Front,
+    /// From behind the robot.
+    Back,
+    /// From the left-hand side of [`Named::Front`].
+    Left,
     /// From the right-hand side of [`Named::Front`]: from +y, with −x to the right.
     Right,
     /// From above, up on the picture is −x, as seen from the front.
     Top,
+    /// From below.
+    Bottom,
+    /// From a corner, so that all three axes are equally long on an orthographic picture.
+    Corner,
+}
+
+impl Named {
+    /// All of them.
+    pub const ALL: [Self; 7] =
+        [Self::Front, Self::Back, Self::Left, Self::Right, Self::Top, Self::Bottom, Self::Corner];
+
+    /// What a person reads.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Front => "From the front",
+            Self::Back => "From behind",
+            Self::Left => "From the left",
+            Self::Right => "From the right",
+            Self::Top => "From above",
+            Self::Bottom => "From below",
+            Self::Corner => "From a corner",
+        }
+    }
 }
 
 /// A half line.
@@ -64,6 +91,10 @@ pub struct Camera {
     pub yaw_rad: f64,
     /// Height of the eye over the target's horizon, in [−π/2, π/2].
     pub pitch_rad: f64,
+    /// How far the picture is turned about the line of sight; 0 keeps the horizon level. Positive turns the camera
+    /// counterclockwise as seen from behind it.
+    #[serde(default)]
+    pub roll_rad: f64,
     /// Vertical field of view.
     pub fov_y_rad: f64,
     /// Perspective or orthographic.
@@ -78,6 +109,7 @@ impl Default for Camera {
             distance_m: 2.25,
             yaw_rad: 0.58,
             pitch_rad: 0.36,
+            roll_rad: 0.0,
             fov_y_rad: 0.62,
             projection: Projection::Perspective,
         }
@@ -94,6 +126,13 @@ impl Camera {
 
     /// Unit vector to the right on the picture. It exists for every pitch, also straight down.
     pub fn right(&self) -> Vector3<f64> {
+        let level = self.level_right();
+        let (sin_roll, cos_roll) = self.roll_rad.sin_cos();
+        level * cos_roll + self.backward().cross(&level) * sin_roll
+    }
+
+    /// The right of a camera without roll.
+    fn level_right(&self) -> Vector3<f64> {
         let (sin_yaw, cos_yaw) = self.yaw_rad.sin_cos();
         Vector3::new(-sin_yaw, cos_yaw, 0.0)
     }
@@ -112,6 +151,21 @@ impl Camera {
     pub fn orbit(&mut self, yaw_rad: f64, pitch_rad: f64) {
         self.yaw_rad = wrap(self.yaw_rad + yaw_rad);
         self.pitch_rad = (self.pitch_rad + pitch_rad).max(-FRAC_PI_2).min(FRAC_PI_2);
+    }
+
+    /// Turns about the target and the picture's own axes, over the poles and beyond: positive yaw moves the eye to the
+    /// right on the picture, positive pitch up.
+    pub fn tumble(&mut self, yaw_rad: f64, pitch_rad: f64) {
+        let about = |axis: Vector3<f64>, angle: f64| Rotation3::from_axis_angle(&Unit::new_unchecked(axis), angle);
+        let turn = about(self.up(), yaw_rad) * about(self.right(), -pitch_rad);
+        let (right, backward) = (turn * self.right(), turn * self.backward());
+        self.pitch_rad = backward.z.max(-1.0).min(1.0).asin();
+        // Straight above or below any yaw will do, and the roll makes up for it.
+        if backward.xy().norm() > 1e-9 {
+            self.yaw_rad = backward.y.atan2(backward.x);
+        }
+        let level = self.level_right();
+        self.roll_rad = right.dot(&backward.cross(&level)).atan2(right.dot(&level));
     }
 
     /// Moves in the picture's plane so that `anchor`, seen at pixel `from`, is then seen at pixel `to`.
@@ -152,9 +206,14 @@ impl Camera {
     pub fn look_from(&mut self, named: Named) {
         (self.yaw_rad, self.pitch_rad) = match named {
             Named::Front => (0.0, 0.0),
+            Named::Back => (-PI, 0.0),
+            Named::Left => (-FRAC_PI_2, 0.0),
             Named::Right => (FRAC_PI_2, 0.0),
             Named::Top => (0.0, FRAC_PI_2),
+            Named::Bottom => (0.0, -FRAC_PI_2),
+            Named::Corner => (FRAC_PI_4, FRAC_1_SQRT_2.atan()),
         };
+        self.roll_rad = 0.0;
     }
 
     /// Half of the picture's height in metres at depth 1 m (perspective) or at any depth (orthographic).
@@ -283,6 +342,7 @@ impl Camera {
             distance_m: self.distance_m * (other.distance_m / self.distance_m).powf(eased),
             yaw_rad: wrap(self.yaw_rad + wrap(other.yaw_rad - self.yaw_rad) * eased),
             pitch_rad: mix(self.pitch_rad, other.pitch_rad),
+            roll_rad: wrap(self.roll_rad + wrap(other.roll_rad - self.roll_rad) * eased),
             fov_y_rad: mix(self.fov_y_rad, other.fov_y_rad),
             projection: self.projection,
         }
@@ -318,6 +378,33 @@ mod tests {
             assert!((up.norm() - 1.0).abs() < 1e-12 && (right.norm() - 1.0).abs() < 1e-12);
             assert!(up.z >= -1e-12, "up is up at pitch {}", camera.pitch_rad);
         }
+    }
+
+    #[test]
+    fn tumbling_turns_about_the_picture_s_own_axes_over_the_poles() {
+        for mut camera in cameras() {
+            for (yaw, pitch) in [(0.3, 0.0), (0.0, 0.3), (-1.1, 0.7), (0.2, 2.9), (4.0, -3.0)] {
+                let (right, up, backward) = (camera.right(), camera.up(), camera.backward());
+                camera.tumble(yaw, pitch);
+                let tilted = backward * f64::cos(pitch) + up * f64::sin(pitch);
+                let wanted = tilted * f64::cos(yaw)
+                    + up.cross(&tilted) * f64::sin(yaw)
+                    + up * (up.dot(&tilted) * (1.0 - f64::cos(yaw)));
+                assert!((camera.backward() - wanted).norm() < 1e-9, "{camera:?}");
+                let turned = right * f64::cos(yaw) - backward * f64::sin(yaw);
+                assert!((camera.right() - turned).norm() < 1e-7, "{} {}", camera.right(), turned);
+                assert!((camera.right().cross(&camera.up()) - camera.backward()).norm() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn a_level_camera_that_tumbles_sideways_at_no_pitch_stays_level() {
+        let mut camera = Camera { pitch_rad: 0.0, ..Camera::default() };
+        let mut same = camera;
+        camera.tumble(0.4, 0.0);
+        same.orbit(0.4, 0.0);
+        assert!((camera.yaw_rad - same.yaw_rad).abs() < 1e-12 && camera.roll_rad.abs() < 1e-12);
     }
 
     #[test]

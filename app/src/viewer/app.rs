@@ -9,7 +9,8 @@ use endcomfort_core::grasp::ExportFormat;
 use super::state::Step;
 use super::view3d::View3d;
 use super::{
-    Command, Document, Effect, LabCommand, Overlay, ReachCommand, Studio, ThemeChoice, ViewerState, draw_panels, theme,
+    Command, Document, Effect, LabCommand, Overlay, ReachCommand, Studio, ThemeChoice, ViewCommand, ViewEffect,
+    ViewerState, draw_panels, theme,
 };
 use crate::host::Host;
 
@@ -168,8 +169,11 @@ impl App {
             match effect {
                 Effect::Run(request) => self.host.submit(*request),
                 Effect::Cancel => self.host.cancel(),
-                Effect::FrameAll => self.view.frame_all(),
-                Effect::Look(view) => self.view.look(view),
+                Effect::View(ViewEffect::Keep) => {
+                    let camera = self.view.camera();
+                    self.apply(ctx, Command::View(ViewCommand::KeepCamera(camera)));
+                }
+                Effect::View(effect) => self.view.go(effect),
                 Effect::Announce(sentence) => self.host.announce(&sentence),
                 Effect::Theme(choice) => ctx.set_theme(match choice {
                     ThemeChoice::System => egui::ThemePreference::System,

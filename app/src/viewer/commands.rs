@@ -12,7 +12,7 @@ use super::goal_drag::GoalDrag;
 use super::state::{IkChoice, Presentation, Side, StageState, Standing, Step, ThemeChoice};
 use super::{
     Document, GraspCommand, HandoverCommand, LabCommand, Layer, Overlay, PlanCommand, Playback, ReachCommand,
-    ViewerState, playback,
+    ViewCommand, ViewEffect, ViewerState, playback,
 };
 use crate::export::MotionFormat;
 
@@ -97,23 +97,10 @@ pub enum Command {
     Dismiss(u64),
     /// Closes whatever is uppermost: overlay, drawer, messages, IK preview.
     Escape,
-    /// Brings everything into the view.
-    FrameAll,
-    /// Looks from a named side.
-    Look(NamedView),
+    /// Moves the camera.
+    View(ViewCommand),
     /// Saves a picture of the view.
     Screenshot,
-}
-
-/// A side to look from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NamedView {
-    /// From the front, key 1.
-    Front,
-    /// From the right side, key 3.
-    Side,
-    /// From above, key 7.
-    Top,
 }
 
 /// What the world outside the state has to do.
@@ -123,10 +110,8 @@ pub enum Effect {
     Run(Box<Request>),
     /// Stop the worker.
     Cancel,
-    /// Move the camera so that everything is seen.
-    FrameAll,
-    /// Look from a named side.
-    Look(NamedView),
+    /// Move the camera.
+    View(ViewEffect),
     /// Save a picture of the view.
     Screenshot,
     /// Bring a file of a reachability map: `maps/alita_left.reach`.
@@ -278,8 +263,7 @@ impl ViewerState {
             Command::ToggleDrawer(side) => self.drawer = (self.drawer != Some(side)).then_some(side),
             Command::Dismiss(id) => self.messages.retain(|message| message.id != id),
             Command::Escape => return self.escape(),
-            Command::FrameAll => return vec![Effect::FrameAll],
-            Command::Look(view) => return vec![Effect::Look(view)],
+            Command::View(command) => return self.apply_view(command),
             Command::Screenshot => return vec![Effect::Screenshot],
         }
         Vec::new()
@@ -316,13 +300,13 @@ impl ViewerState {
         self.playback.playing = false;
         self.demo = Some(name.to_owned());
         if document == self.document && self.outputs.scene.is_some() {
-            return vec![Effect::FrameAll];
+            return vec![Effect::View(ViewEffect::FrameAll)];
         }
         self.outputs = super::Outputs::default();
         self.outputs_version += 1;
         self.selection = super::Selection { step: self.selection.step, cluster: None, grasp: None, ik: None };
         let mut effects = self.edit(|present| *present = document);
-        effects.push(Effect::FrameAll);
+        effects.push(Effect::View(ViewEffect::FrameAll));
         effects
     }
 
@@ -450,13 +434,13 @@ impl ViewerState {
                 (self.overlay, self.drawer) = (Overlay::None, None);
                 self.playback.looping = true;
                 let mut effects = self.apply(Command::SetPlaying(true));
-                effects.push(Effect::FrameAll);
+                effects.push(Effect::View(ViewEffect::FrameAll));
                 effects
             }
             (Some(Presentation { was_looping }), false) => {
                 self.playback.looping = was_looping;
                 self.playback.playing = false;
-                vec![Effect::FrameAll]
+                vec![Effect::View(ViewEffect::FrameAll)]
             }
         }
     }

@@ -6,12 +6,14 @@
 
 #![allow(non_snake_case, reason = "frame letters: X_WO is the pose of O in W")]
 
+mod actions;
 mod app;
 mod captions;
 mod commands;
 mod compose_input;
 mod document;
 mod fields;
+mod flying;
 mod font;
 mod format;
 mod goal_drag;
@@ -45,10 +47,11 @@ mod table_view;
 mod theme;
 mod updates;
 mod view3d;
+mod viewing;
 mod widgets;
 
 pub use app::{App, StartOptions};
-pub use commands::{Command, Effect, NamedView};
+pub use commands::{Command, Effect};
 pub use compose_input::{ComposeInput, Label, Legend, LegendRow, Mark, Picture, Posture, ScaleBar, Tone, ViewKey};
 pub use document::Document;
 pub use format::count;
@@ -73,6 +76,7 @@ pub use state::{
 pub use studio::{Demo, RobotChoice, Studio};
 pub use table_view::{Column, ColumnSet, Listed, TableView};
 pub use theme::{Tokens, install as install_theme};
+pub use viewing::{KeptView, Turning, ViewCommand, ViewEffect, Viewing};
 
 #[cfg(all(test, not(target_arch = "wasm32")))]
 mod tests;

@@ -13,7 +13,7 @@ use endcomfort_core::scene::Scene;
 use nalgebra::{Isometry3, Point3};
 
 use super::state::Side;
-use super::{Command, Effect, Layer, ReachView, ViewerState};
+use super::{Command, Effect, Layer, ReachView, ViewEffect, ViewerState};
 use crate::assets;
 
 /// Names of the arms that maps are shown of.
@@ -282,7 +282,7 @@ impl ViewerState {
                 self.layers.get_mut(Layer::Reach).visible = true;
                 self.open_page();
                 self.drawer = Some(Side::Right);
-                return vec![Effect::FrameAll];
+                return vec![Effect::View(ViewEffect::FrameAll)];
             }
             ReachCommand::Close => {
                 self.reaching.is_open = false;
@@ -478,7 +478,7 @@ impl ViewerState {
         let Some(arm) = self.reaching.slots.iter().position(is_awaited) else { return Vec::new() };
         let name = self.map_name(arm);
         match file.and_then(|bytes| self.put_map(arm, name, bytes, MapSource::Stored)) {
-            Ok(()) if self.reaching.is_open => vec![Effect::FrameAll],
+            Ok(()) if self.reaching.is_open => vec![Effect::View(ViewEffect::FrameAll)],
             Ok(()) => Vec::new(),
             Err(reason) => {
                 self.reaching.slots[arm] = Slot::Missing(reason.clone());

@@ -8,7 +8,7 @@ use endcomfort_core::job::{Refusal, Stage};
 use super::document::History;
 use super::{
     ComposeInput, Demo, Document, Grasping, Lab, Layers, Outputs, Planning, Playback, Posture, Reaching, RobotChoice,
-    TableView, ViewKey,
+    TableView, ViewKey, Viewing,
 };
 
 /// Everything the interface knows. Panels read it; [`ViewerState::apply`] and [`ViewerState::receive`] change it.
@@ -41,6 +41,8 @@ pub struct ViewerState {
     pub lab: Lab,
     /// Reachability maps and how they are shown.
     pub reaching: Reaching,
+    /// How the view is looked at.
+    pub viewing: Viewing,
     /// What covers the page.
     pub overlay: Overlay,
     /// The presentation without panels, while it runs.
@@ -178,6 +180,8 @@ pub enum Overlay {
     Gallery,
     /// The list of keys.
     Help,
+    /// Everything that can be done, to be looked for by its name.
+    Palette,
 }
 
 /// The view alone, with captions; what it changed is put back at its end.
@@ -239,6 +243,7 @@ impl ViewerState {
             planning: Planning::default(),
             lab: Lab::default(),
             reaching: Reaching::default(),
+            viewing: Viewing::default(),
             overlay: Overlay::None,
             presentation: None,
             drawer: None,

@@ -50,6 +50,7 @@ impl ViewerState {
                 Overlay::None => Value::Null,
                 Overlay::Gallery => json!("gallery"),
                 Overlay::Help => json!("help"),
+                Overlay::Palette => json!("palette"),
             },
             "messages": self.messages.iter().map(|message| &message.text).collect::<Vec<_>>(),
         })

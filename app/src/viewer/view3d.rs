@@ -12,10 +12,10 @@ use super::layout::Layout;
 use super::region_drag::RegionDrag;
 use super::theme::{SECONDARY, Tokens, font};
 use super::{
-    Command, GraspCommand, HandoverCommand, NamedView, Pick, Picture, ReachCommand, Studio, Tone, ViewKey, ViewerState,
-    legends,
+    Command, GraspCommand, HandoverCommand, Pick, Picture, ReachCommand, Studio, Tone, Turning, ViewCommand,
+    ViewEffect, ViewKey, ViewerState, flying, legends,
 };
-use crate::render::{Bounds, BoundsCache, Camera, Named, Picker, Quality, Renderer, Target, Theme, View};
+use crate::render::{Bounds, BoundsCache, Camera, Picker, Quality, Renderer, Target, Theme, View};
 
 /// Radians per point of dragging: a drag over 600 points turns by half a turn.
 const TURN: f64 = std::f64::consts::PI / 600.0;
@@ -31,6 +31,9 @@ const FOLLOWED_M: f64 = 5e-4;
 
 /// Share of the free part of the view that a whole scene fills.
 const FILLED: f64 = 0.90;
+
+/// What is looked at alone is seen from as near as this, metres.
+const CLOSE_M: f64 = 0.9;
 
 /// An examined fit is seen from beside its sensor: what was measured, and how it goes on where nothing was.
 const BESIDE_SENSOR_RAD: f64 = 0.75;
@@ -140,19 +143,28 @@ impl View3d {
         }
     }
 
-    /// Frames everything with the next picture.
-    pub(super) fn frame_all(&mut self) {
-        self.wants_frame = true;
+    /// Moves the camera as it was asked for; the hand stays free to take over on the way.
+    pub(super) fn go(&mut self, effect: ViewEffect) {
+        let mut to = self.camera;
+        match effect {
+            ViewEffect::FrameAll => {
+                self.wants_frame = true;
+                return;
+            }
+            ViewEffect::FrameObject => match self.picture.object_W {
+                Some(p_W) => (to.target, to.distance_m) = (p_W, to.distance_m.min(CLOSE_M)),
+                None => return,
+            },
+            ViewEffect::Look(named) => to.look_from(named),
+            ViewEffect::Level => to.roll_rad = 0.0,
+            ViewEffect::GoTo(camera) => to = camera,
+            // The application alone keeps views.
+            ViewEffect::Keep => return,
+        }
+        self.travel_to(to);
     }
 
-    /// Travels to a named side.
-    pub(super) fn look(&mut self, view: NamedView) {
-        let mut to = self.camera;
-        to.look_from(match view {
-            NamedView::Front => Named::Front,
-            NamedView::Side => Named::Right,
-            NamedView::Top => Named::Top,
-        });
+    fn travel_to(&mut self, to: Camera) {
         self.travel = Some(Travel { from: self.camera, to, passed_s: 0.0 });
     }
 
@@ -181,8 +193,13 @@ impl View3d {
         let shot = Shot { rect, camera: &self.camera };
         let mut commands = self.gizmo.follow(ui, &response, shot, state);
         self.handle(ui, &response, rect, state, &mut commands);
+        if flying::fly(ui, &mut self.camera) {
+            self.travel = None;
+            ui.ctx().request_repaint();
+        }
         self.travel_on(ui);
         self.follow_object(ui, state);
+        self.camera.projection = state.viewing.projection;
         let pixels_per_point = ui.pixels_per_point();
         let size_px = [rect.width(), rect.height()].map(|side| (side * pixels_per_point).round().max(1.0) as u32);
         let theme = if dark { Theme::Dark } else { Theme::Light };
@@ -259,7 +276,7 @@ impl View3d {
         to.distance_m *= f64::from(rect.height() / free.y);
         self.wants_frame = false;
         if self.was_framed {
-            self.travel = Some(Travel { from: self.camera, to, passed_s: 0.0 });
+            self.travel_to(to);
         } else {
             self.camera = to;
             self.was_framed = true;
@@ -280,7 +297,7 @@ impl View3d {
             }
             (Some(_), Some(_)) => self.wants_frame = true,
             (_, None) => match self.before_lab.take() {
-                Some(to) => self.travel = Some(Travel { from: self.camera, to, passed_s: 0.0 }),
+                Some(to) => self.travel_to(to),
                 None => self.wants_frame = true,
             },
         }
@@ -340,7 +357,8 @@ impl View3d {
             let delta = response.drag_delta();
             let shift = ui.input(|input| input.modifiers.shift);
             if response.dragged_by(PointerButton::Primary) && !shift {
-                self.turn(f64::from(-delta.x) * TURN, f64::from(delta.y) * TURN, &anchor);
+                let angles = [f64::from(-delta.x) * TURN, f64::from(delta.y) * TURN];
+                self.turn(state.viewing.turning, angles, &anchor);
             } else {
                 self.camera.pan(&anchor, in_picture(pointer - delta), in_picture(pointer), size);
             }
@@ -372,7 +390,7 @@ impl View3d {
         commands: &mut Vec<Command>,
     ) {
         let hit = self.picker.pick(&self.picture.frame, self.camera.ray(at, size));
-        let pick = hit.map_or(Pick::Nothing, |hit| Pick::from_id(hit.pick_id));
+        let pick = hit.as_ref().map_or(Pick::Nothing, |hit| Pick::from_id(hit.pick_id));
         let grasp = if let Pick::Grasp(id) = pick { Some(id) } else { None };
         let cluster = match pick {
             Pick::Cluster(cluster) | Pick::Part { cluster, .. } => Some(cluster as usize),
@@ -408,8 +426,14 @@ impl View3d {
                 Pick::Robot | Pick::Nothing => {}
             }
         }
-        if response.double_clicked() && pick == Pick::Nothing {
-            commands.push(Command::FrameAll);
+        if response.double_clicked() {
+            match hit {
+                Some(hit) => {
+                    let distance_m = self.camera.distance_m.min(CLOSE_M);
+                    self.travel_to(Camera { target: hit.point, distance_m, ..self.camera });
+                }
+                None => commands.push(Command::View(ViewCommand::FrameAll)),
+            }
         }
     }
 
@@ -427,10 +451,13 @@ impl View3d {
     }
 
     /// Turns about a point that keeps its place on the picture.
-    fn turn(&mut self, yaw_rad: f64, pitch_rad: f64, anchor: &Point3<f64>) {
+    fn turn(&mut self, turning: Turning, [yaw_rad, pitch_rad]: [f64; 2], anchor: &Point3<f64>) {
         let axes = |camera: &Camera| Matrix3::from_columns(&[camera.right(), camera.up(), camera.backward()]);
         let before = axes(&self.camera);
-        self.camera.orbit(yaw_rad, pitch_rad);
+        match turning {
+            Turning::Turntable => self.camera.orbit(yaw_rad, pitch_rad),
+            Turning::Free => self.camera.tumble(yaw_rad, pitch_rad),
+        }
         let turned = axes(&self.camera) * before.transpose();
         self.camera.target = anchor + turned * (self.camera.target - anchor);
     }

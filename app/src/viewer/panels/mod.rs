@@ -8,6 +8,7 @@ mod help;
 mod inspector;
 mod joints;
 mod layer_list;
+mod palette;
 mod plan;
 mod play;
 mod presentation;
@@ -18,6 +19,7 @@ mod stepper;
 mod timeline;
 mod toasts;
 mod top_bar;
+mod view_menu;
 
 use egui::{Ui, vec2};
 use endcomfort_core::fit::ObjectiveKind;
@@ -72,7 +74,8 @@ pub fn draw_panels(ui: &mut Ui, state: &ViewerState) -> Vec<Command> {
     toasts::draw(ui, state, &layout, &mut out);
     match state.overlay {
         Overlay::Gallery => gallery::draw(ui, state, &mut out),
-        Overlay::Help => help::draw(ui, &mut out),
+        Overlay::Help => help::draw(ui, state, &mut out),
+        Overlay::Palette => palette::draw(ui, state, &mut out),
         Overlay::None => {}
     }
     drop_zone::draw(ui);

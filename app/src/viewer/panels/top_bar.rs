@@ -25,7 +25,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, layout: &Layout, out: &mut 
             robot_switch(ui, state, out);
         }
         let right_part = match (layout.is_phone, layout.is_narrow) {
-            (true, _) => 150.0,
+            (true, _) => 180.0,
             (_, true) => 204.0,
             _ => 300.0,
         };
@@ -117,9 +117,7 @@ fn right_part_of(ui: &mut Ui, state: &ViewerState, layout: &Layout, out: &mut Ou
     if !layout.is_phone && icon_button(ui, Icon::Camera, "Save a picture of the view", true, false).clicked() {
         out.push(Command::Screenshot);
     }
-    if !layout.is_phone && icon_button(ui, Icon::Frame, "Frame everything (F)", true, false).clicked() {
-        out.push(Command::FrameAll);
-    }
+    super::view_menu::draw(ui, state, out);
     if icon_button(ui, Icon::Redo, "Redo (Ctrl Shift Z)", state.can_redo(), false).clicked() {
         out.push(Command::Redo);
     }

@@ -1,5 +1,6 @@
 //! The panels as a person meets them: laid out by egui, found by what assistive technology reads.
 
+mod actions;
 mod behaviour;
 mod bench;
 mod grasping;

@@ -11,7 +11,7 @@ use super::page;
 use crate::assets;
 use crate::viewer::{
     Command, Effect, Keep, Layer, MapSource, Posture, ReachArms, ReachCommand, ReachPage, ReachQuantity, ReachView,
-    Slice, Slot,
+    Slice, Slot, ViewCommand,
 };
 
 impl Bench {
@@ -49,7 +49,7 @@ fn stored_maps_are_fetched_when_they_are_first_shown_and_those_of_another_robot_
         })
         .collect();
     assert_eq!(asked, ["maps/alita_left.reach", "maps/alita_right.reach"]);
-    let again = bench.page.state.apply(Command::FrameAll);
+    let again = bench.page.state.apply(Command::View(ViewCommand::FrameAll));
     assert!(!again.iter().any(|effect| matches!(effect, Effect::FetchMap(_))), "one question is enough");
     bench.carry_out(effects);
     let maps = &bench.page.state.reaching;

@@ -11,11 +11,12 @@ use nalgebra::{Isometry3, Vector3};
 
 use super::{Page, invented};
 use crate::export::MotionFormat;
-use crate::render::{Frame, MeshDraw, Surface, shapes};
+use crate::render::{Frame, MeshDraw, Named, Surface, shapes};
 use crate::viewer::layout::Layout;
 use crate::viewer::view3d::View3d;
 use crate::viewer::{
-    ComposeInput, Demo, Document, Label, Outputs, Pick, Picture, RobotChoice, Studio, Tone, draw_panels, theme,
+    ComposeInput, Demo, Document, Label, Outputs, Pick, Picture, RobotChoice, Studio, Tone, ViewEffect, draw_panels,
+    theme,
 };
 
 const SIZE: Vec2 = egui::vec2(1280.0, 720.0);
@@ -70,6 +71,11 @@ struct Whole {
 }
 
 fn whole() -> Harness<'static, Whole> {
+    whole_at(0.25)
+}
+
+/// With so many seconds from one frame to the next.
+fn whole_at(step_s: f32) -> Harness<'static, Whole> {
     let gpu = create_render_state(default_wgpu_setup(), eframe::egui_wgpu::RendererOptions::PREDICTABLE);
     // The test renderer wants a state that has drawn nothing yet, so it is made before the view.
     let renderer = WgpuTestRenderer::from_render_state(gpu.clone());
@@ -87,6 +93,7 @@ fn whole() -> Harness<'static, Whole> {
     };
     Harness::builder()
         .with_size(SIZE)
+        .with_step_dt(step_s)
         .with_theme(Theme::Dark)
         .renderer(renderer)
         .with_context_setup(theme::install)
@@ -183,4 +190,48 @@ fn a_drag_that_starts_on_a_panel_leaves_the_camera_alone() {
     harness.drop_at(Pos2::new(600.0, 360.0));
     harness.run_steps(2);
     assert_eq!(harness.state().view.camera(), before);
+}
+
+#[test]
+fn a_double_click_goes_to_what_is_there_and_a_drag_takes_over_on_the_way() {
+    let mut harness = whole_at(0.02);
+    let (_, middle) = brick(&picture(&mut harness));
+    let before = harness.state().view.camera();
+    for _ in 0..2 {
+        harness.drag_at(middle);
+        harness.drop_at(middle);
+        harness.run_steps(1);
+    }
+    harness.run_steps(30);
+    let near = harness.state().view.camera();
+    assert!(near.distance_m < 0.91 && near.distance_m < before.distance_m, "{} m", near.distance_m);
+    assert!((near.target - nalgebra::Point3::new(0.5, 0.0, 0.8)).norm() < 0.4, "{}", near.target);
+
+    // A named view begins its way, and the hand stops it.
+    harness.state_mut().view.go(ViewEffect::Look(Named::Back));
+    harness.run_steps(2);
+    harness.drag_at(middle);
+    harness.hover_at(middle + egui::vec2(30.0, 0.0));
+    harness.run_steps(30);
+    let yaw_rad = harness.state().view.camera().yaw_rad;
+    harness.drop_at(middle + egui::vec2(30.0, 0.0));
+    harness.run_steps(10);
+    assert!((yaw_rad.abs() - std::f64::consts::PI).abs() > 0.1, "it did not arrive behind: {yaw_rad}");
+    assert_eq!(harness.state().view.camera().yaw_rad, yaw_rad);
+}
+
+#[test]
+fn keys_fly_the_camera_while_they_are_held() {
+    let mut harness = whole();
+    harness.run_steps(3);
+    let before = harness.state().view.camera();
+    harness.key_down(egui::Key::D);
+    harness.run_steps(10);
+    harness.key_up(egui::Key::D);
+    harness.run_steps(2);
+    let after = harness.state().view.camera();
+    let moved = after.target - before.target;
+    assert!(moved.dot(&before.right()) > 0.01 && moved.z.abs() < 1e-12, "{moved}");
+    harness.run_steps(5);
+    assert_eq!(harness.state().view.camera(), after);
 }
