@@ -160,15 +160,16 @@ impl Composer {
             });
         }
         let agent = scene.handover.as_ref().and_then(Handover::agent);
-        let obstacles = scene.obstacles.iter().cloned().chain(agent.iter().flat_map(|agent| agent.furniture_W()));
-        for obstacle in obstacles {
+        let own = scene.obstacles.iter().cloned().zip((0..).map(|index| Pick::Obstacle(index).id()));
+        let furniture = agent.iter().flat_map(|agent| agent.furniture_W()).map(|piece| (piece, 0));
+        for (obstacle, pick_id) in own.chain(furniture) {
             let mesh = self.box_mesh(obstacle.size_m);
             frame.meshes.push(MeshDraw {
                 mesh,
                 X_WM: obstacle.X_WB,
                 color: color(&obstacle.name, palette.obstacle),
                 surface: Surface::Satin,
-                pick_id: 0,
+                pick_id,
             });
         }
     }

@@ -9,7 +9,8 @@ use endcomfort_core::scene::ArmChoice;
 
 use super::state::{Step, ThemeChoice};
 use super::{
-    Command, GraspCommand, LabCommand, Layer, Overlay, PlanCommand, ReachCommand, Turning, ViewCommand, ViewerState,
+    Command, GraspCommand, LabCommand, Layer, Overlay, PlaceCommand, PlanCommand, ReachCommand, Thing, Turning,
+    ViewCommand, ViewerState,
 };
 use crate::export::MotionFormat;
 use crate::render::{Named, Projection};
@@ -105,6 +106,8 @@ pub(super) fn with_keys(state: &ViewerState) -> Vec<Action> {
         false => (ReachCommand::Open, "Show what the arms reach"),
     };
     let is_presented = state.presentation.is_some();
+    let thing = state.selected_thing();
+    let on_thing = |deed: fn(Thing) -> PlaceCommand| Command::Place(thing.map_or(PlaceCommand::Select(None), deed));
     vec![
         Action::new(Time, if is_playing { "Pause" } else { "Play" }, Command::SetPlaying(!is_playing))
             .key("Space", Key::Space)
@@ -124,6 +127,12 @@ pub(super) fn with_keys(state: &ViewerState) -> Vec<Action> {
         Action::new(Select, "Next way to see the fit", Command::Lab(LabCommand::NextView))
             .key("V", Key::V)
             .when(state.selection.step == Step::Stage(Stage::Fit)),
+        Action::new(Select, "Delete what is selected", on_thing(PlaceCommand::Remove))
+            .key("Delete", Key::Delete)
+            .when(thing.is_some()),
+        Action::new(Select, "Duplicate what is selected", on_thing(PlaceCommand::Duplicate))
+            .keys("Ctrl D", Modifiers::COMMAND, Key::D)
+            .when(thing.is_some()),
         Action::new(View, "Frame everything", Command::View(ViewCommand::FrameAll)).key("F", Key::F),
         Action::new(View, "Look at the object", Command::View(ViewCommand::FrameObject)).key("C", Key::C),
         Action::new(View, "Follow the object", Command::ToggleFollow).key("O", Key::O),
@@ -170,6 +179,12 @@ pub(super) fn without_keys(state: &ViewerState) -> Vec<Action> {
     }
     let next_seed = scene.seed.wrapping_add(1);
     actions.push(Action::new(Scene, format!("Another seed: {next_seed}"), Command::SetSeed(next_seed)));
+    actions.push(Action::new(Scene, "Add a box", Command::Place(PlaceCommand::AddBox)));
+    for name in crate::assets::object_names() {
+        let title = format!("Add {}", name.replace('_', " "));
+        let action = Action::new(Scene, title, Command::Place(PlaceCommand::AddObject(name.to_owned())));
+        actions.push(action.when(state.document.cloud.is_none()));
+    }
     actions.push(Action::new(Scene, "Compute again", Command::Run));
     actions.push(Action::new(Scene, "Stop the computation", Command::Cancel).when(state.running));
     for step in Step::ALL {

@@ -11,8 +11,8 @@ use endcomfort_core::task::Plan;
 use super::goal_drag::GoalDrag;
 use super::state::{IkChoice, Presentation, Side, StageState, Standing, Step, ThemeChoice};
 use super::{
-    Document, GraspCommand, HandoverCommand, LabCommand, Layer, Overlay, PlanCommand, Playback, ReachCommand,
-    ViewCommand, ViewEffect, ViewerState, playback,
+    Document, GraspCommand, HandoverCommand, LabCommand, Layer, Overlay, PlaceCommand, PlanCommand, Playback,
+    ReachCommand, ViewCommand, ViewEffect, ViewerState, playback,
 };
 use crate::export::MotionFormat;
 
@@ -97,6 +97,8 @@ pub enum Command {
     Dismiss(u64),
     /// Closes whatever is uppermost: overlay, drawer, messages, IK preview.
     Escape,
+    /// Moves, adds or takes away what stands in the scene.
+    Place(PlaceCommand),
     /// Moves the camera.
     View(ViewCommand),
     /// Saves a picture of the view.
@@ -263,6 +265,7 @@ impl ViewerState {
             Command::ToggleDrawer(side) => self.drawer = (self.drawer != Some(side)).then_some(side),
             Command::Dismiss(id) => self.messages.retain(|message| message.id != id),
             Command::Escape => return self.escape(),
+            Command::Place(command) => return self.apply_place(command),
             Command::View(command) => return self.apply_view(command),
             Command::Screenshot => return vec![Effect::Screenshot],
         }

@@ -24,6 +24,8 @@ pub(super) struct GoalDrag {
     asked: Option<u64>,
     /// Whether something moved since then.
     is_owed: bool,
+    /// Whether the camera sees what is moved, so that everything changes with it.
+    is_seen: bool,
 }
 
 impl ViewerState {
@@ -71,10 +73,24 @@ impl ViewerState {
         })
     }
 
+    /// As [`ViewerState::drag`] for what the camera sees, or for the camera itself.
+    pub(super) fn drag_what_is_seen(&mut self, change: impl FnOnce(&mut Scene)) -> Vec<Effect> {
+        self.planning.drag.is_seen = true;
+        self.drag_document(|document| {
+            change(Arc::make_mut(&mut document.scene));
+            // Other points, other clusters, other candidates.
+            (document.cluster, document.grasp, document.shape) = (None, None, None);
+        })
+    }
+
     /// Changes the scene while something is dragged; the first change of a drag is a step of undo.
     pub(super) fn drag(&mut self, change: impl FnOnce(&mut Scene)) -> Vec<Effect> {
+        self.drag_document(|document| change(Arc::make_mut(&mut document.scene)))
+    }
+
+    fn drag_document(&mut self, change: impl FnOnce(&mut Document)) -> Vec<Effect> {
         let mut document = self.document.clone();
-        change(Arc::make_mut(&mut document.scene));
+        change(&mut document);
         if document == self.document {
             return Vec::new();
         }
@@ -123,8 +139,9 @@ impl ViewerState {
         if self.planning.drag.asked != Some(revision) {
             return;
         }
-        // A drag changes the goal or the receiver alone, so what comes before the grasps holds for any later moment too.
-        let is_lasting = matches!(*output, Output::Scene(_) | Output::Segment(_) | Output::Fit(_));
+        // A drag of the goal or the receiver leaves what comes before the grasps as it is for any later moment too.
+        let is_lasting =
+            !self.planning.drag.is_seen && matches!(*output, Output::Scene(_) | Output::Segment(_) | Output::Fit(_));
         let dated = if is_lasting { self.revision } else { revision };
         let stage = self.outputs.put(dated, *output);
         self.outputs_version += 1;

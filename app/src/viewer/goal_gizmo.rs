@@ -7,7 +7,7 @@ use egui::{Align2, Color32, CursorIcon, Pos2, Rect, Response, Role, Sense, Strok
 use nalgebra::{Isometry3, Point2, Point3, UnitQuaternion, Vector3};
 
 use super::theme::{SECONDARY, Tokens, font};
-use super::{Command, HandoverCommand, PlanCommand, ViewerState};
+use super::{Command, HandoverCommand, PlaceCommand, PlanCommand, Thing, ViewerState};
 use crate::render::{Camera, Ray};
 
 /// Radius of the ring, points.
@@ -41,11 +41,13 @@ enum Subject {
     Goal(usize),
     /// Who receives the object.
     Receiver,
+    /// Something that stands in the scene.
+    Thing(Thing),
 }
 
 impl Subject {
     fn has_arrow(self) -> bool {
-        matches!(self, Self::Goal(_))
+        !matches!(self, Self::Receiver)
     }
 
     /// `the goal of step 2`
@@ -53,6 +55,8 @@ impl Subject {
         match self {
             Self::Goal(step) => format!("the goal of step {}", step + 1),
             Self::Receiver => "the receiver".to_owned(),
+            Self::Thing(Thing::Camera) => "the camera".to_owned(),
+            Self::Thing(_) => "what is selected".to_owned(),
         }
     }
 }
@@ -215,6 +219,7 @@ impl GoalGizmo {
                 commands.push(match held.subject {
                     Subject::Goal(_) => Command::Planning(PlanCommand::EndDrag),
                     Subject::Receiver => Command::Handover(HandoverCommand::EndDrag),
+                    Subject::Thing(_) => Command::Place(PlaceCommand::EndDrag),
                 });
             }
             self.held = None;
@@ -272,8 +277,11 @@ impl GoalGizmo {
     }
 }
 
-/// What can be moved, and where it is: a receiver, on the floor below it, or the goal of a step.
+/// What can be moved, and where it is: what is selected in the scene, a receiver, on the floor below it, or the goal of a step.
 fn subject(state: &ViewerState) -> Option<(Subject, Isometry3<f64>)> {
+    if let Some(thing) = state.selected_thing().filter(|_| state.has_gizmo()) {
+        return Some((Subject::Thing(thing), thing.pose(state.scene())?));
+    }
     if let Some(agent) = state.movable_receiver() {
         return Some((Subject::Receiver, agent.X_WA()));
     }
@@ -285,6 +293,7 @@ fn subject(state: &ViewerState) -> Option<(Subject, Isometry3<f64>)> {
 fn drag(subject: Subject, to: Isometry3<f64>, state: &ViewerState) -> Option<Command> {
     Some(match subject {
         Subject::Goal(step) => Command::Planning(PlanCommand::DragGoal { step, X_WO_goal: to }),
+        Subject::Thing(thing) => Command::Place(PlaceCommand::Drag(thing, to)),
         Subject::Receiver => {
             let mut agent = state.receiver()?.clone();
             agent.position_m = [to.translation.x, to.translation.y];

@@ -13,6 +13,8 @@ pub enum Pick {
     Grasp(u32),
     /// The place of the handover of this index.
     Place(u32),
+    /// The box in the way of this index.
+    Obstacle(u32),
     /// A part of the composite object that is grasped.
     Part {
         /// Its cluster.
@@ -49,6 +51,7 @@ impl Pick {
             }
             Self::Part { .. } => 0,
             Self::Place(index) => pack(6, index),
+            Self::Obstacle(index) => pack(7, index),
             Self::Voxel { arm, voxel } if arm < 2 && voxel < 1 << Self::ARM_SHIFT => {
                 pack(5, arm << Self::ARM_SHIFT | voxel)
             }
@@ -65,6 +68,7 @@ impl Pick {
             3 => Self::Grasp(index),
             4 => Self::Part { cluster: index & ((1 << Self::PART_SHIFT) - 1), part: index >> Self::PART_SHIFT },
             6 => Self::Place(index),
+            7 => Self::Obstacle(index),
             5 => Self::Voxel { arm: index >> Self::ARM_SHIFT, voxel: index & ((1 << Self::ARM_SHIFT) - 1) },
             _ => Self::Nothing,
         }
@@ -85,6 +89,7 @@ mod tests {
             Pick::Grasp(0),
             Pick::Grasp(411),
             Pick::Place(23),
+            Pick::Obstacle(3),
         ] {
             assert_eq!(Pick::from_id(pick.id()), pick);
         }

@@ -8,7 +8,7 @@ use endcomfort_core::job::{Refusal, Stage};
 use super::document::History;
 use super::{
     ComposeInput, Demo, Document, Grasping, Lab, Layers, Outputs, Planning, Playback, Posture, Reaching, RobotChoice,
-    TableView, ViewKey, Viewing,
+    TableView, Thing, ViewKey, Viewing,
 };
 
 /// Everything the interface knows. Panels read it; [`ViewerState::apply`] and [`ViewerState::receive`] change it.
@@ -41,6 +41,8 @@ pub struct ViewerState {
     pub lab: Lab,
     /// Reachability maps and how they are shown.
     pub reaching: Reaching,
+    /// The thing of the scene that is selected.
+    pub placing: Option<Thing>,
     /// How the view is looked at.
     pub viewing: Viewing,
     /// What covers the page.
@@ -243,6 +245,7 @@ impl ViewerState {
             planning: Planning::default(),
             lab: Lab::default(),
             reaching: Reaching::default(),
+            placing: None,
             viewing: Viewing::default(),
             overlay: Overlay::None,
             presentation: None,

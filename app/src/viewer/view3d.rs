@@ -5,15 +5,17 @@
 
 use egui::{Color32, PointerButton, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 use egui_wgpu::RenderState;
+use endcomfort_core::job::Stage;
 use nalgebra::{Matrix3, Point2, Point3};
 
 use super::goal_gizmo::{GoalGizmo, Shot};
 use super::layout::Layout;
 use super::region_drag::RegionDrag;
+use super::state::Step;
 use super::theme::{SECONDARY, Tokens, font};
 use super::{
-    Command, GraspCommand, HandoverCommand, Pick, Picture, ReachCommand, Studio, Tone, Turning, ViewCommand,
-    ViewEffect, ViewKey, ViewerState, flying, legends,
+    Command, GraspCommand, HandoverCommand, Pick, Picture, PlaceCommand, ReachCommand, Studio, Thing, Tone, Turning,
+    ViewCommand, ViewEffect, ViewKey, ViewerState, flying, legends,
 };
 use crate::render::{Bounds, BoundsCache, Camera, Picker, Quality, Renderer, Target, Theme, View};
 
@@ -394,7 +396,9 @@ impl View3d {
         let grasp = if let Pick::Grasp(id) = pick { Some(id) } else { None };
         let cluster = match pick {
             Pick::Cluster(cluster) | Pick::Part { cluster, .. } => Some(cluster as usize),
-            Pick::Grasp(_) | Pick::Place(_) | Pick::Voxel { .. } | Pick::Robot | Pick::Nothing => None,
+            Pick::Grasp(_) | Pick::Place(_) | Pick::Obstacle(_) | Pick::Voxel { .. } | Pick::Robot | Pick::Nothing => {
+                None
+            }
         };
         let place = if let Pick::Place(index) = pick { Some(index as usize) } else { None };
         if state.planning.hovered_place != place {
@@ -413,6 +417,16 @@ impl View3d {
                     // A second click on the same part lets any part be held again.
                     let part = Some(part as usize).filter(|part| state.scene().grasp.filter.part != Some(*part));
                     commands.push(Command::Grasping(GraspCommand::SetPart(part)));
+                }
+                Pick::Cluster(cluster) | Pick::Part { cluster, .. } if state.selects_things() => {
+                    commands.push(Command::Place(PlaceCommand::SelectCluster(cluster as usize)));
+                }
+                Pick::Obstacle(index) => {
+                    commands.push(Command::SelectStep(Step::Stage(Stage::Scene)));
+                    commands.push(Command::Place(PlaceCommand::Select(Some(Thing::Obstacle(index as usize)))));
+                }
+                Pick::Nothing if state.selected_thing().is_some() => {
+                    commands.push(Command::Place(PlaceCommand::Select(None)));
                 }
                 Pick::Cluster(cluster) | Pick::Part { cluster, .. } => {
                     commands.push(Command::SelectCluster(cluster as usize));

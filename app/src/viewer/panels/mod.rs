@@ -16,6 +16,7 @@ mod reach;
 mod scene;
 mod segment;
 mod stepper;
+mod things;
 mod timeline;
 mod toasts;
 mod top_bar;

@@ -7,6 +7,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::Out;
 use super::inspector::heading;
+use super::things;
 use crate::viewer::layout::Layout;
 use crate::viewer::state::Step;
 use crate::viewer::theme::{SECONDARY, Tokens};
@@ -68,23 +69,10 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         }
     });
 
-    if state.document.cloud.is_none() {
-        section(ui, "Objects");
-        for placed in &scene.objects {
-            let _row = key_value(ui, &format::title_of(&placed.object), &at(&placed.X_WO.translation.vector.into()));
-        }
-        let furniture: Vec<_> = state.receiver().iter().flat_map(|agent| agent.furniture_W()).collect();
-        for obstacle in scene.obstacles.iter().chain(&furniture) {
-            let size = obstacle.size_m * 1e3;
-            let text = format!("{:.0} × {:.0} × {:.0} mm", size.x, size.y, size.z);
-            let _row = key_value(ui, &format::title_of(&obstacle.name), &text);
-        }
-    }
+    things::draw(ui, state, out);
 
     section(ui, "Camera");
-    let X_WC = &scene.X_WC;
-    let _row = key_value(ui, "Position", &at(&X_WC.translation.vector.into()));
-    let z = X_WC.rotation * Vector3::z();
+    let z = scene.X_WC.rotation * Vector3::z();
     let down_deg = (-z.z).max(-1.0).min(1.0).asin().to_degrees();
     let _row = key_value(ui, "Looks down by", &format!("{down_deg:.0}°"));
     if let Some(output) = &state.outputs.scene {

@@ -8,6 +8,7 @@ mod handing;
 mod invented;
 mod lab;
 mod pictures;
+mod placing;
 mod plans;
 mod reach;
 mod tasks;
