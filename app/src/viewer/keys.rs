@@ -8,7 +8,7 @@ use super::state::Step;
 use super::{Command, LabCommand, NamedView, Overlay, ReachCommand, ViewerState};
 
 /// What the help overlay lists: key, what it does.
-pub(super) const LIST: [(&str, &str); 19] = [
+pub(super) const LIST: [(&str, &str); 20] = [
     ("Space", "Play or pause"),
     ("Left  Right", "Back or forth by 0.1 s"),
     (",  .", "Back or forth by one sample"),
@@ -25,6 +25,7 @@ pub(super) const LIST: [(&str, &str); 19] = [
     ("Wheel, pinch", "Zoom to the pointer"),
     ("Ctrl Z", "Undo"),
     ("Ctrl Shift Z", "Redo"),
+    ("Ctrl Shift S", "Copy a link to this view"),
     ("G", "All demos"),
     ("?", "This list"),
     ("Esc", "Close what is on top"),
@@ -45,6 +46,7 @@ pub(super) fn commands(ctx: &Context, state: &ViewerState) -> Vec<Command> {
         // The longer shortcut first: consuming Ctrl+Z also matches Ctrl+Shift+Z.
         for (modifiers, key, command) in [
             (Modifiers::COMMAND | Modifiers::SHIFT, Key::Z, Command::Redo),
+            (Modifiers::COMMAND | Modifiers::SHIFT, Key::S, Command::Share),
             (Modifiers::COMMAND, Key::Y, Command::Redo),
             (Modifiers::COMMAND, Key::Z, Command::Undo),
         ] {

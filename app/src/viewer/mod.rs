@@ -7,6 +7,7 @@
 #![allow(non_snake_case, reason = "frame letters: X_WO is the pose of O in W")]
 
 mod app;
+mod app_share;
 mod captions;
 mod commands;
 mod compose_input;
@@ -37,6 +38,7 @@ mod reach;
 mod reach_view;
 mod region_drag;
 mod regions;
+mod share;
 mod slider;
 mod state;
 mod status;
@@ -66,6 +68,7 @@ pub use playback::Playback;
 pub use quantities::unit as unit_of;
 pub use reach::{MapSource, ReachCommand, ReachKey, ReachPage, Reaching, ShownMap, Slot, VoxelChoice};
 pub use reach_view::{Keep, ReachArms, ReachQuantity, ReachView, Slice};
+pub use share::{Offer, Opened, ShareError, SharedView, link_text, read_link, read_session, session_text};
 pub use state::{
     Hover, IkChoice, Message, Overlay, Presentation, Selection, Side, Situation, StageState, Step, ThemeChoice,
     ViewerState,

@@ -10,7 +10,7 @@ use crate::viewer::handing::everybody;
 use crate::viewer::icons::Icon;
 use crate::viewer::theme::{BODY, RADIUS, SECONDARY, Tokens, font, strong};
 use crate::viewer::widgets::{focus_ring, icon_button, paragraph, secondary_button, text_in};
-use crate::viewer::{Command, Demo, Overlay, ViewerState, format};
+use crate::viewer::{Command, Demo, Offer, Overlay, ViewerState, format};
 
 const GAP: f32 = 16.0;
 /// Height of a heading with the gap below it, points.
@@ -47,6 +47,9 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
             });
         });
         ui.add_space(12.0);
+        if let Some(offer) = &state.offer {
+            restore_line(ui, offer, out);
+        }
         let most = (window.height() - 260.0).max(180.0);
         let (handovers, alone): (Vec<&Demo>, Vec<&Demo>) =
             state.demos.iter().partition(|demo| demo.scene.handover.is_some());
@@ -97,6 +100,20 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     if modal.should_close() {
         out.push(Command::Show(Overlay::None));
     }
+}
+
+/// What was open at the last visit.
+fn restore_line(ui: &mut Ui, offer: &Offer, out: &mut Out) {
+    let tokens = Tokens::of(ui);
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 12.0;
+        if secondary_button(ui, "Restore what you had open", true).clicked() {
+            out.push(Command::Restore);
+        }
+        let text = format!("{}, {}", offer.title, offer.when());
+        ui.label(egui::RichText::new(text).font(font(BODY)).color(tokens.secondary));
+    });
+    ui.add_space(12.0);
 }
 
 fn picture_height(card_width: f32) -> f32 {
