@@ -9,6 +9,7 @@ mod lab;
 mod pictures;
 mod plans;
 mod reach;
+mod share;
 mod tasks;
 mod view;
 
