@@ -163,6 +163,21 @@ function watchForTraps() {
   addEventListener("unhandledrejection", (event) => onError(event.reason));
 }
 
+/** Asks for a file when the menu does; it comes in as if it had been dropped. */
+function openFiles(program) {
+  addEventListener("endcomfort-pick", () => {
+    const input = document.createElement("input");
+    input.type = "file";
+    input.accept = ".pcd,.ply,.xyz,.json,.reach";
+    input.addEventListener("change", async () => {
+      for (const file of input.files) {
+        program.load_cloud(file.name, new Uint8Array(await file.arrayBuffer()));
+      }
+    });
+    input.click();
+  });
+}
+
 // ---- As a part of somebody else's page (`?embed=1`): docs/embed.md says what is sent and answered.
 
 const isEmbedded = !["0", null].includes(new URLSearchParams(location.search).get("embed"));
@@ -281,6 +296,7 @@ async function main() {
   if (!hasFailed()) {
     say("Endcomfort is ready", 1);
     element("status").className = "running";
+    openFiles(program);
     if (isEmbedded) {
       answerMessages(program);
     }

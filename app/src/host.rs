@@ -38,6 +38,9 @@ pub trait Host {
         None
     }
 
+    /// Asks the person for a file, which then comes in like a dropped one; only the browser has such a list.
+    fn pick(&mut self) {}
+
     /// Tells whoever embeds the page that something happened: a JSON object.
     fn tell(&mut self, _event: &serde_json::Value) {}
 

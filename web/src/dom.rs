@@ -51,11 +51,11 @@ pub(crate) fn page() -> Option<String> {
     Some(url.href())
 }
 
-/// Tells scripts of the page that something happened: an event `endcomfort` whose detail is this text.
-pub(crate) fn tell(detail: &str) {
+/// Tells `boot.js` that something happened or is wanted: an event of this name whose detail is this text.
+pub(crate) fn tell(name: &str, detail: &str) {
     let options = web_sys::CustomEventInit::new();
     options.set_detail(&detail.into());
-    let event = web_sys::CustomEvent::new_with_event_init_dict("endcomfort", &options);
+    let event = web_sys::CustomEvent::new_with_event_init_dict(name, &options);
     if let (Some(window), Ok(event)) = (web_sys::window(), event) {
         // It is only false when somebody prevents a default action, and there is none.
         let _is_not_prevented = window.dispatch_event(&event);

@@ -228,8 +228,12 @@ impl Host for WebHost {
         Some(&mut self.store)
     }
 
+    fn pick(&mut self) {
+        dom::tell("endcomfort-pick", "");
+    }
+
     fn tell(&mut self, event: &serde_json::Value) {
-        dom::tell(&event.to_string());
+        dom::tell("endcomfort", &event.to_string());
     }
 
     fn backend(&self) -> String {

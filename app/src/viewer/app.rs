@@ -206,6 +206,7 @@ impl App {
                 Effect::ExportMotion(format) => self.export_motion(format),
                 Effect::PlaceCamera(camera) => self.view.place(camera),
                 Effect::Share => self.share(ctx),
+                Effect::PickFile => self.host.pick(),
                 Effect::SaveSession => self.save_session(),
                 Effect::OpenPage => self.open_page(ctx),
             }

@@ -110,6 +110,8 @@ pub enum Command {
     OpenShared(Box<Opened>),
     /// Opens what was left at the last visit.
     Restore,
+    /// Asks for a file to open.
+    PickFile,
     /// Saves everything that is needed to open this view again, a dropped cloud included.
     SaveSession,
     /// Saves the scene alone.
@@ -158,6 +160,8 @@ pub enum Effect {
     PlaceCamera(Camera),
     /// Copy a link to this view.
     Share,
+    /// Ask the person for a file.
+    PickFile,
     /// Hand a session to the person as a file.
     SaveSession,
     /// Open this view on a page of its own.
@@ -306,6 +310,7 @@ impl ViewerState {
             Command::Share => return vec![Effect::Share],
             Command::OpenShared(opened) => return self.open_shared(*opened),
             Command::Restore => return self.restore(),
+            Command::PickFile => return vec![Effect::PickFile],
             Command::SaveSession => return vec![Effect::SaveSession],
             Command::SaveScene => return self.save_scene(),
             Command::OpenPage => return vec![Effect::OpenPage],

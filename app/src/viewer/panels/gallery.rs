@@ -37,7 +37,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         ui.horizontal(|ui| {
             ui.vertical(|ui| {
                 ui.label(egui::RichText::new("From a depth cloud to a comfortable grasp").font(strong(20.0)));
-                let text = "Pick a demo, or drop a PCD, PLY or XYZ cloud or a scene JSON anywhere.";
+                let text = "Pick a demo, or drop a PCD, PLY or XYZ cloud, a scene or a saved session anywhere.";
                 let _text = paragraph(ui, text, BODY, tokens.secondary);
             });
             ui.with_layout(egui::Layout::right_to_left(Align::Min), |ui| {

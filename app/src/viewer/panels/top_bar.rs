@@ -87,12 +87,15 @@ fn demo_menu(ui: &mut Ui, state: &ViewerState, max_width: f32, out: &mut Out) {
             }
         }
         crate::viewer::widgets::hairline(ui);
-        for (words, command) in [
+        // A window has no list of files of its own: there they are dropped.
+        let open = cfg!(target_arch = "wasm32").then_some(("Open a file…", Command::PickFile));
+        let rows = [
             ("All demos…", Command::Show(Overlay::Gallery)),
             ("Copy a link to this view", Command::Share),
             ("Save the session", Command::SaveSession),
             ("Save the scene", Command::SaveScene),
-        ] {
+        ];
+        for (words, command) in rows.into_iter().chain(open) {
             if menu_row(ui, words, false) {
                 out.push(command);
                 ui.close();

@@ -2,7 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::{Opened, read_session, session_text};
+use super::content::session_json;
+use super::{Opened, read_session};
 use crate::clock;
 use crate::host::Store;
 use crate::render::Camera;
@@ -48,9 +49,11 @@ impl Autosave {
     /// Writes what stands.
     pub(in crate::viewer) fn write(&mut self, state: &ViewerState, camera: Camera, now_s: f64, store: &mut dyn Store) {
         (self.revision, self.written_s) = (state.revision, now_s);
-        let text = record(state, camera, true)
-            .filter(|text| text.len() <= MAX_CHARACTERS)
-            .or_else(|| record(state, camera, false).filter(|text| text.len() <= MAX_CHARACTERS));
+        // Base64 makes four characters of three bytes.
+        let fits = state.document.cloud.as_ref().is_some_and(|cloud| cloud.bytes.len() / 3 * 4 < MAX_CHARACTERS);
+        let is_short = |text: &String| text.len() <= MAX_CHARACTERS;
+        let whole = fits.then(|| record(state, camera, true)).flatten().filter(is_short);
+        let text = whole.or_else(|| record(state, camera, false).filter(is_short));
         match text.map(|text| store.write(&text)) {
             Some(Ok(())) => {}
             Some(Err(reason)) => log::warn!("what is open is not kept for the next visit: {reason}"),
@@ -60,8 +63,7 @@ impl Autosave {
 }
 
 fn record(state: &ViewerState, camera: Camera, with_cloud: bool) -> Option<String> {
-    let session = session_text(state, Some(camera), with_cloud).ok()?;
-    let session: Value = serde_json::from_str(&session).ok()?;
+    let session = session_json(state, Some(camera), with_cloud).ok()?;
     let title = match &state.document.cloud {
         Some(cloud) if with_cloud => &cloud.name,
         _ => &state.document.scene.title,

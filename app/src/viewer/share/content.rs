@@ -90,7 +90,7 @@ pub fn link_text(state: &ViewerState, camera: Option<Camera>) -> Result<String, 
         }
         None => content.scene = Some(scene),
     }
-    Ok(format!("{MARK}{}", packing::pack(&written(LINK_KEY, &content)?)))
+    Ok(format!("{MARK}{}", packing::pack(&written(LINK_KEY, &content)?.to_string())))
 }
 
 /// A session as JSON: the whole scene, and the bytes of a dropped cloud if they are wanted.
@@ -98,6 +98,10 @@ pub fn link_text(state: &ViewerState, camera: Option<Camera>) -> Result<String, 
 /// # Errors
 /// [`ShareError::Format`] if the scene cannot be written as JSON.
 pub fn session_text(state: &ViewerState, camera: Option<Camera>, with_cloud: bool) -> Result<String, ShareError> {
+    Ok(session_json(state, camera, with_cloud)?.to_string())
+}
+
+pub(super) fn session_json(state: &ViewerState, camera: Option<Camera>, with_cloud: bool) -> Result<Value, ShareError> {
     let scene = Some(json(&*state.document.scene)?);
     let mut content = Content { demo: state.demo.clone(), scene, ..Content::of(state, camera) };
     if let Some(cloud) = &state.document.cloud {
@@ -199,16 +203,15 @@ fn json(value: &impl Serialize) -> Result<Value, ShareError> {
     serde_json::to_value(value).map_err(format_error)
 }
 
-/// The content as one line of JSON under its version.
-fn written(key: &str, content: &Content) -> Result<String, ShareError> {
+/// The content as JSON under its version.
+fn written(key: &str, content: &Content) -> Result<Value, ShareError> {
     let mut json = json(content)?;
     if let Some(fields) = json.as_object_mut() {
         fields.insert(key.to_owned(), VERSION.into());
     }
-    Ok(json.to_string())
+    Ok(json)
 }
 
-#[expect(clippy::needless_pass_by_value, reason = "the shape that map_err wants")]
 fn format_error(error: serde_json::Error) -> ShareError {
     ShareError::Format { reason: error.to_string() }
 }

@@ -17,14 +17,15 @@ impl ViewerState {
         self.outputs_version += 1;
         self.selection = crate::viewer::Selection { step: self.selection.step, cluster: None, grasp: None, ik: None };
         let mut effects = self.edit(|present| *present = document);
+        self.fallback = standing.filter(|_| !effects.is_empty());
         if effects.is_empty() {
-            // The document is the one that stands: its results are asked for anew, so that one way leads to the view.
+            // No edit that could be taken back. The document is the one that stands: its results are asked for anew, so that one way leads to the view.
             effects = self.apply(Command::Run);
         }
-        self.fallback = standing;
         self.demo = demo;
         self.layers = view.layers();
-        if let Some(step) = view.step() {
+        // In somebody else's page there is no inspector, and the examined fit would cover the plan.
+        if let Some(step) = view.step().filter(|_| !self.is_embedded) {
             effects.extend(self.apply(Command::SelectStep(step)));
         }
         effects.push(view.camera.map_or(Effect::FrameAll, Effect::PlaceCamera));
