@@ -163,8 +163,93 @@ function watchForTraps() {
   addEventListener("unhandledrejection", (event) => onError(event.reason));
 }
 
+/** Asks for a file when the menu does; it comes in as if it had been dropped. */
+function openFiles(program) {
+  addEventListener("endcomfort-pick", () => {
+    const input = document.createElement("input");
+    input.type = "file";
+    input.accept = ".pcd,.ply,.xyz,.json,.reach";
+    input.addEventListener("change", async () => {
+      for (const file of input.files) {
+        program.load_cloud(file.name, new Uint8Array(await file.arrayBuffer()));
+      }
+    });
+    input.click();
+  });
+}
+
+// ---- As a part of somebody else's page (`?embed=1`): docs/embed.md says what is sent and answered.
+
+const isEmbedded = !["0", null].includes(new URLSearchParams(location.search).get("embed"));
+
+/** What a message may ask for: `message` in, its result out. */
+function deeds(program) {
+  return {
+    load_scene: ({ scene }) => program.open_scene(typeof scene === "string" ? scene : JSON.stringify(scene ?? null)),
+    load_demo: ({ name }) => {
+      program.set_demo(String(name));
+      if (JSON.parse(program.status()).demo !== name) {
+        throw new Error(`there is no demo named ${JSON.stringify(name)}`);
+      }
+    },
+    seek: ({ time_s }) => {
+      if (!Number.isFinite(time_s)) {
+        throw new Error(`time_s: found ${JSON.stringify(time_s)}, wanted seconds`);
+      }
+      program.seek(time_s);
+    },
+    play: () => program.set_playing(true),
+    pause: () => program.set_playing(false),
+    status: () => JSON.parse(program.status()),
+    plan: () => {
+      const lines = program.plan_json();
+      if (lines === undefined) {
+        throw new Error("there is no plan yet; the event \"stage\" tells when there is");
+      }
+      return lines.split("\n").map((line) => JSON.parse(line));
+    },
+    link: () => program.link(),
+  };
+}
+
+function answerMessages(program) {
+  const known = deeds(program);
+  addEventListener("message", ({ data, source, origin }) => {
+    if (data?.endcomfort !== 1 || typeof data.do !== "string" || !source) {
+      return;
+    }
+    const answer = { endcomfort: 1, id: data.id };
+    try {
+      if (!Object.hasOwn(known, data.do)) {
+        throw new Error(`there is no ${JSON.stringify(data.do)}; there are ${Object.keys(known).join(", ")}`);
+      }
+      Object.assign(answer, { ok: true, result: known[data.do](data) ?? null });
+    } catch (error) {
+      Object.assign(answer, { ok: false, error: String(error?.message ?? error) });
+    }
+    // A page without an origin (a file, a sandbox) can only be named by the window that asked.
+    source.postMessage(answer, origin === "null" || origin === "" ? "*" : origin);
+  });
+  const around = document.referrer ? new URL(document.referrer).origin : "*";
+  const tell = (event) => parent !== window && parent.postMessage({ endcomfort: 1, ...event }, around);
+  addEventListener("endcomfort", ({ detail }) => tell(JSON.parse(detail)));
+  tell({ event: "ready" });
+}
+
+/** The wheel belongs to the page around until the view has been clicked, so that nobody gets stuck while reading. */
+function leaveTheWheel() {
+  let isChosen = false;
+  addEventListener("pointerdown", () => (isChosen = true), true);
+  addEventListener("blur", () => (isChosen = false));
+  addEventListener("wheel", (event) => isChosen || event.stopImmediatePropagation(), { capture: true, passive: true });
+  document.documentElement.classList.add("embedded");
+}
+
 async function main() {
   checkWebAssembly();
+  if (isEmbedded) {
+    leaveTheWheel();
+  }
   const renderer = chooseRenderer();
   renderer.catch(() => {}); // it is awaited, and its failure shown, below
   const [program, module] = await load();
@@ -203,11 +288,28 @@ async function main() {
     set_shape: (parameters) => program.set_shape(JSON.stringify(parameters)),
     undo: program.undo,
     redo: program.redo,
+    link: program.link,
+    open_link: program.open_link,
+    session: program.session,
     first_picture_ms: await firstPicture(program),
   };
   if (!hasFailed()) {
     say("Endcomfort is ready", 1);
     element("status").className = "running";
+    openFiles(program);
+    if (isEmbedded) {
+      answerMessages(program);
+    }
+    // Another link in the address of the same page loads nothing anew.
+    addEventListener("hashchange", () => {
+      if (location.hash.startsWith("#s=")) {
+        try {
+          program.open_link(location.hash);
+        } catch (error) {
+          console.warn(`The link was not opened: ${error}`); // the page has said so as well
+        }
+      }
+    });
   }
 }
 

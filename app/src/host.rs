@@ -28,6 +28,37 @@ pub trait Host {
     /// Says a sentence to assistive technology and to the page's status line.
     fn announce(&mut self, sentence: &str);
 
+    /// Address of the page without its `#…`, to which the rest of a link is added; nothing natively.
+    fn page(&self) -> String {
+        String::new()
+    }
+
+    /// The place where something is kept from visit to visit; `None` where there is none.
+    fn store(&mut self) -> Option<&mut dyn Store> {
+        None
+    }
+
+    /// Asks the person for a file, which then comes in like a dropped one; only the browser has such a list.
+    fn pick(&mut self) {}
+
+    /// Tells whoever embeds the page that something happened: a JSON object.
+    fn tell(&mut self, _event: &serde_json::Value) {}
+
     /// One word for the backend that draws: `WebGPU`, `WebGL2`, `Vulkan`, …
     fn backend(&self) -> String;
+}
+
+/// A place for one text that is kept from visit to visit.
+pub trait Store {
+    /// What was written last, by this visit or an earlier one.
+    fn read(&self) -> Option<String>;
+
+    /// Replaces it.
+    ///
+    /// # Errors
+    /// Why it cannot be kept, for a log.
+    fn write(&mut self, text: &str) -> Result<(), String>;
+
+    /// Forgets it.
+    fn forget(&mut self);
 }

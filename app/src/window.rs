@@ -11,11 +11,11 @@ use crate::jobs::Worker;
 use crate::studio::BuiltInStudio;
 use crate::viewer::{App, StartOptions};
 
-/// Opens the window and returns when it is closed.
+/// Opens the window as it is asked for and returns when it is closed.
 ///
 /// # Errors
 /// A sentence saying why there is no window.
-pub fn open() -> Result<(), String> {
+pub fn open(start: StartOptions) -> Result<(), String> {
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default().with_title("Endcomfort").with_inner_size([1440.0, 900.0]),
         ..eframe::NativeOptions::default()
@@ -23,9 +23,8 @@ pub fn open() -> Result<(), String> {
     eframe::run_native(
         "endcomfort",
         options,
-        Box::new(|creation| {
+        Box::new(move |creation| {
             let host = WindowHost::new(creation)?;
-            let start = StartOptions { gallery: true, ..StartOptions::default() };
             let app = App::new(creation, Box::new(host), Box::new(BuiltInStudio::default()), start)?;
             Ok(Box::new(app))
         }),

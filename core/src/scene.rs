@@ -250,6 +250,8 @@ pub const MAX_STEPS: usize = 8;
 const MAX_HOLD_S: f64 = 60.0;
 /// Largest weight in a score.
 pub const MAX_WEIGHT: f64 = 100.0;
+/// Dividing a quaternion by its norm leaves it this close to length 1: a few roundings of f64.
+const UNIT_ROUND_OFF: f64 = 1e-15;
 /// Nothing stands farther than this from the robot, metres.
 const MAX_COORDINATE_M: f64 = 10.0;
 
@@ -408,6 +410,9 @@ pub(crate) fn checked_pose(place: &str, X: &mut Isometry3<f64>) -> Result<(), Sc
     let quaternion = *X.rotation.quaternion();
     let norm = quaternion.norm();
     check(norm.is_finite() && norm > 1e-6, place, norm, "a rotation of length 1".into())?;
-    X.rotation = nalgebra::UnitQuaternion::new_unchecked(quaternion / norm);
+    // What is a unit quaternion already keeps its last digits, so that a scene that is written and read stays the same.
+    if (norm - 1.0).abs() > UNIT_ROUND_OFF {
+        X.rotation = nalgebra::UnitQuaternion::new_unchecked(quaternion / norm);
+    }
     Ok(())
 }

@@ -49,6 +49,17 @@ fn has_keys(value: &Value, keys: &[&str]) {
 }
 
 #[test]
+fn a_broken_link_is_refused_in_words_before_a_window_is_looked_for() {
+    let output = endcomfort(&["view", "--link", "#s=what?"]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(said.contains("the link could not be opened: it is not base64url"), "{said}");
+    let output = endcomfort(&["view", "spoon"]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(1) && said.contains("mustard"), "{said}");
+}
+
+#[test]
 fn a_real_mug_on_a_table_is_one_cluster_in_both_captures() {
     for scene in ["scenes/gpd_table_mug.pcd", "scenes/pcl_table_scene_mug_stereo_textured.pcd"] {
         let Some(file) = data(scene) else { return };

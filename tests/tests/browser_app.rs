@@ -208,6 +208,98 @@ fn the_plan_for_a_seed_is_the_same_text_in_the_browser_and_natively() -> Result<
     Ok(())
 }
 
+/// What a link has to bring back.
+fn shared_part(status: &Value) -> Vec<&Value> {
+    let keys = ["scene", "demo", "seed", "step", "selected_grasp", "planned_grasp", "duration_s", "time_s", "camera"];
+    keys.iter().map(|key| &status[key]).collect()
+}
+
+#[test]
+fn a_link_opens_the_same_view_with_the_same_plan_and_the_edit_is_kept_for_the_next_visit() -> Result<()> {
+    let browser = browser_with_demo("jar")?;
+    let mut scene = assets::demo("jar").context("no such demo")?;
+    scene.seed = 5;
+    browser.drop_file("mine.json", serde_json::to_string(&scene)?.as_bytes())?;
+    browser.wait_for_status("the edited demo", A_WHILE, |status| {
+        status["seed"] == 5 && has_settled(status) && stage(status, "plan")["state"] == "done"
+    })?;
+    browser
+        .run("window.endcomfort.pause(); window.endcomfort.select_step('rank'); window.endcomfort.seek(3.25)", &[])?;
+    // The camera comes to rest.
+    std::thread::sleep(Duration::from_millis(1500));
+    let link = browser.run("return window.endcomfort.link()", &[])?;
+    let link = link.as_str().context("a link is text")?;
+    println!("{} characters: {link}", link.len());
+    let plan = plan_in_browser(&browser)?;
+    let kept = browser.wait_for("the kept edit", "localStorage.getItem('endcomfort_session')", A_WHILE)?;
+    assert!(kept.as_str().is_some_and(|text| text.contains("\"seed\":5")), "{kept}");
+
+    // A page that is not there in between: else the browser would take the link as a place on the same page.
+    browser.open("nothing")?;
+    let (_, packed) = link.split_once('#').context("a link has a part after #")?;
+    browser.open(&format!("?renderer=webgl#{packed}"))?;
+    browser.wait_until_it_runs()?;
+    let opened = browser.wait_for_status("the link's plan", A_WHILE, |status| {
+        has_settled(status) && stage(status, "plan")["state"] == "done" && status["time_s"] == 3.25
+    })?;
+    browser.screenshot("shared")?;
+    assert_eq!(plan_in_browser(&browser)?, plan, "the same plan, to the last digit");
+    assert_eq!(browser.run("return window.endcomfort.link()", &[])?, link, "and it is shared as the same link");
+    assert_eq!(opened["demo"], "jar");
+
+    browser.run("location.hash = '#s=broken!'", &[])?;
+    let told = browser.wait_for_status("a word about the broken link", A_WHILE, |status| {
+        status["messages"].to_string().contains("The link could not be opened")
+    })?;
+    assert_eq!(shared_part(&told), shared_part(&opened), "everything else stays");
+    let complaints = browser.complaints()?;
+    // The page that is not there.
+    let complaints: Vec<_> = complaints.iter().filter(|line| !line.contains("nothing")).collect();
+    assert!(complaints.is_empty(), "{complaints:#?}");
+
+    browser.open("?renderer=webgl")?;
+    browser.wait_until_it_runs()?;
+    std::thread::sleep(Duration::from_millis(1500));
+    browser.screenshot("restore")?;
+    Ok(())
+}
+
+#[test]
+fn the_example_drives_the_page_in_its_frame() -> Result<()> {
+    let browser = Browser::with_webgl()?;
+    browser.open("example/embed.html")?;
+    let said = |words: &str| format!("document.getElementById('log').innerText.includes('{words}')");
+    browser.wait_for("the frame", &said("ready"), A_WHILE)?;
+    browser.run("document.getElementById('jar').click()", &[])?;
+    browser.wait_for("the jar", &said("The jar is opened."), A_WHILE)?;
+    let in_frame = "JSON.parse(document.getElementById('frame').contentWindow.endcomfort.status())";
+    let planned = format!("(({in_frame}).demo === 'jar' && ({in_frame}).duration_s > 0)");
+    browser.wait_for("the jar's plan", &planned, A_WHILE)?;
+    browser.wait_for("the event", &said("stage plan done"), A_WHILE)?;
+    browser.run("document.getElementById('half').click()", &[])?;
+    browser.wait_for("the middle", &said("Now at"), A_WHILE)?;
+    browser.run("document.getElementById('link').click()", &[])?;
+    browser.wait_for("the link", &said("Link: http"), A_WHILE)?;
+    assert_eq!(browser.run(&format!("return ({in_frame}).playing"), &[])?, false);
+
+    let turn_wheel = "
+        const view = document.getElementById('frame').contentDocument.getElementById('view');
+        const wheel = new WheelEvent('wheel', { deltaY: 100, bubbles: true, cancelable: true });
+        view.dispatchEvent(wheel);
+        return wheel.defaultPrevented";
+    assert_eq!(browser.run(turn_wheel, &[])?, false, "the wheel is left to the page around");
+    let click = "
+        const view = document.getElementById('frame').contentDocument.getElementById('view');
+        view.dispatchEvent(new PointerEvent('pointerdown', { bubbles: true, clientX: 400, clientY: 200 }))";
+    browser.run(click, &[])?;
+    assert_eq!(browser.run(turn_wheel, &[])?, true, "after a click it zooms");
+    std::thread::sleep(Duration::from_millis(1000));
+    browser.screenshot("embed")?;
+    let complaints = browser.complaints()?;
+    assert!(complaints.is_empty(), "{complaints:#?}");
+    Ok(())
+}
+
 #[test]
 fn a_worker_that_cannot_start_is_told_in_the_steps() -> Result<()> {
     let browser = Browser::with_webgl()?;

@@ -35,6 +35,33 @@ pub(crate) fn query(parameter: &str) -> Option<String> {
     web_sys::UrlSearchParams::new_with_str(&search).ok()?.get(parameter)
 }
 
+/// What follows the address's `#`, with it: `#s=…`; `None` if that is no link of ours.
+pub(crate) fn link() -> Option<String> {
+    let hash = web_sys::window()?.location().hash().ok()?;
+    hash.starts_with("#s=").then_some(hash)
+}
+
+/// The page's address without its `#…` and without what a link says better: which demo opens and in what frame.
+pub(crate) fn page() -> Option<String> {
+    let url = web_sys::Url::new(&web_sys::window()?.location().href().ok()?).ok()?;
+    url.set_hash("");
+    for parameter in ["demo", "gallery", "embed"] {
+        url.search_params().delete(parameter);
+    }
+    Some(url.href())
+}
+
+/// Tells `boot.js` that something happened or is wanted: an event of this name whose detail is this text.
+pub(crate) fn tell(name: &str, detail: &str) {
+    let options = web_sys::CustomEventInit::new();
+    options.set_detail(&detail.into());
+    let event = web_sys::CustomEvent::new_with_event_init_dict(name, &options);
+    if let (Some(window), Ok(event)) = (web_sys::window(), event) {
+        // It is only false when somebody prevents a default action, and there is none.
+        let _is_not_prevented = window.dispatch_event(&event);
+    }
+}
+
 /// A file beside the page.
 ///
 /// # Errors

@@ -4,12 +4,13 @@ use std::cell::RefCell;
 use std::rc::Rc;
 
 use eframe::egui;
-use endcomfort::host::{Fetched, Host};
+use endcomfort::host::{Fetched, Host, Store};
 use endcomfort_core::job::{Refusal, Request, Stage, Update};
 use js_sys::{Array, ArrayBuffer, Uint8Array};
 use wasm_bindgen::prelude::*;
 use web_sys::{ErrorEvent, Event, HtmlAnchorElement, MessageEvent, Worker, WorkerOptions, WorkerType};
 
+use crate::store::LocalStore;
 use crate::{dom, wire};
 
 /// The browser as a [`Host`].
@@ -24,6 +25,7 @@ pub(crate) struct WebHost {
     worker_url: String,
     desk: Rc<RefCell<Desk>>,
     worker: Option<Hired>,
+    store: LocalStore,
 }
 
 /// What page and worker's callbacks share.
@@ -67,7 +69,8 @@ impl Drop for Hired {
 impl WebHost {
     /// A host whose first worker starts at once.
     pub(crate) fn new(context: egui::Context, backend: &'static str, module: JsValue, worker_url: String) -> Self {
-        let mut host = Self { context, backend, module, worker_url, desk: Rc::default(), worker: None };
+        let mut host =
+            Self { context, backend, module, worker_url, desk: Rc::default(), worker: None, store: LocalStore };
         host.hire();
         host
     }
@@ -215,6 +218,22 @@ impl Host for WebHost {
 
     fn announce(&mut self, sentence: &str) {
         dom::announce(sentence);
+    }
+
+    fn page(&self) -> String {
+        dom::page().unwrap_or_default()
+    }
+
+    fn store(&mut self) -> Option<&mut dyn Store> {
+        Some(&mut self.store)
+    }
+
+    fn pick(&mut self) {
+        dom::tell("endcomfort-pick", "");
+    }
+
+    fn tell(&mut self, event: &serde_json::Value) {
+        dom::tell("endcomfort", &event.to_string());
     }
 
     fn backend(&self) -> String {

@@ -2,7 +2,9 @@
 //!
 //! `web/boot.js` offers the functions below as `window.endcomfort`:
 //! `status()`, `plan_json()`, `load_cloud(name, bytes)`, `set_demo(name)`, `play()`, `pause()`, `seek(seconds)`,
-//! `select_step(name)`, `compare_objectives()`, `set_shape({ a: 0.05, … })`, `undo()`, `redo()`, and the number `first_picture_ms`, counted from the moment the browser began to open the page.
+//! `select_step(name)`, `compare_objectives()`, `set_shape({ a: 0.05, … })`, `undo()`, `redo()`, `link()`,
+//! `open_link(text)`, `session()`, and the number `first_picture_ms`, counted from the moment the browser began to open
+//! the page. With `?embed=1` it also answers the messages of the page around it, see `docs/embed.md`.
 
 use std::cell::RefCell;
 
@@ -89,7 +91,7 @@ fn web_options(backends: wgpu::Backends) -> WebOptions {
     WebOptions { wgpu_options, ..WebOptions::default() }
 }
 
-/// What the address asks for: `?demo=mustard&gallery=0&theme=dark`; without a demo the gallery is open.
+/// What the address asks for: `?demo=mustard&gallery=0&theme=dark&embed=1#s=…`; without a demo the gallery is open.
 fn start_options() -> StartOptions {
     let theme = match dom::query("theme").as_deref() {
         Some("dark") => ThemeChoice::Dark,
@@ -98,7 +100,8 @@ fn start_options() -> StartOptions {
     };
     let demo = dom::query("demo");
     let gallery = dom::query("gallery").map_or(demo.is_none(), |wanted| wanted != "0");
-    StartOptions { demo, gallery, theme }
+    let is_embedded = dom::query("embed").is_some_and(|wanted| wanted != "0");
+    StartOptions { demo, gallery, theme, link: dom::link(), is_embedded }
 }
 
 /// How many pictures have been drawn.
@@ -178,6 +181,42 @@ pub fn undo() {
 #[wasm_bindgen]
 pub fn redo() {
     with_app(|app, context| app.apply(context, Command::Redo));
+}
+
+/// The address of this view, which opens it again.
+///
+/// # Errors
+/// A sentence if the scene cannot be written.
+#[wasm_bindgen]
+pub fn link() -> Result<Option<String>, JsValue> {
+    with_app(|app, _| app.link()).transpose().map_err(JsValue::from)
+}
+
+/// Opens a link: an address with `#s=…`, or that part alone.
+///
+/// # Errors
+/// What is wrong with it; the page says it to the person as well.
+#[wasm_bindgen]
+pub fn open_link(text: &str) -> Result<(), JsValue> {
+    with_app(|app, context| app.open_link(context, text)).unwrap_or(Ok(())).map_err(JsValue::from)
+}
+
+/// Opens a scene, given as JSON.
+///
+/// # Errors
+/// What is wrong with it.
+#[wasm_bindgen]
+pub fn open_scene(json: &str) -> Result<(), JsValue> {
+    with_app(|app, context| app.open_scene(context, json)).unwrap_or(Ok(())).map_err(JsValue::from)
+}
+
+/// Everything that is needed to open this view again, a dropped cloud included, as JSON.
+///
+/// # Errors
+/// A sentence if the scene cannot be written.
+#[wasm_bindgen]
+pub fn session() -> Result<Option<String>, JsValue> {
+    with_app(|app, _| app.session()).transpose().map_err(JsValue::from)
 }
 
 fn with_page<T>(act: impl FnOnce(&Page) -> T) -> Option<T> {

@@ -15,6 +15,9 @@ use crate::{site, wasm};
 const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; \
                       img-src 'self' blob: data:; connect-src 'self'; worker-src 'self'; base-uri 'none'";
 
+/// What the example in `example/` may do: load its own files and show the page in a frame.
+const EXAMPLE_POLICY: &str = "default-src 'none'; script-src 'self'; frame-src 'self'; base-uri 'none'";
+
 /// A page and its wasm arrive over a few connections at once.
 const THREADS: usize = 4;
 
@@ -98,8 +101,9 @@ impl Site {
     }
 }
 
-/// The folder of files that keep their names when their content changes.
+/// The folders of files that keep their names when their content changes.
 const MAPS: &str = "maps/";
+const EXAMPLE: &str = "example/";
 
 fn answer(folder: &Path, request: Request) {
     let accepts = request
@@ -140,10 +144,11 @@ fn reply(folder: &Path, url: &str, accepts: &str) -> Reply {
     let Some(name) = file_name(url) else { return missing() };
     let path = folder.join(name);
     let Some((encoding, body)) = read_best(&path, accepts) else { return missing() };
-    let keeps_its_name = name == "index.html" || name.starts_with(MAPS);
+    let is_example = name.starts_with(EXAMPLE);
+    let keeps_its_name = name == "index.html" || name.starts_with(MAPS) || is_example;
     let mut headers = vec![
         ("Content-Type", mime_type(name)),
-        ("Content-Security-Policy", POLICY),
+        ("Content-Security-Policy", if is_example { EXAMPLE_POLICY } else { POLICY }),
         ("X-Content-Type-Options", "nosniff"),
         ("Vary", "Accept-Encoding"),
         ("Cache-Control", if keeps_its_name { "no-cache" } else { "public, max-age=31536000, immutable" }),
@@ -154,12 +159,12 @@ fn reply(folder: &Path, url: &str, accepts: &str) -> Reply {
     Reply { status: 200, headers, body }
 }
 
-/// The file that an address means. The site is a flat folder with one of maps in it, so anything with another separator,
+/// The file that an address means. The site is a flat folder with one of maps and one of an example in it, so anything with another separator,
 /// a hidden name or an escape in it means nothing, and no address can lead out of the folder.
 fn file_name(url: &str) -> Option<&str> {
     let path = url.split(['?', '#']).next()?.strip_prefix('/')?;
     let name = if path.is_empty() { "index.html" } else { path };
-    let last = name.strip_prefix(MAPS).unwrap_or(name);
+    let last = name.strip_prefix(MAPS).or_else(|| name.strip_prefix(EXAMPLE)).unwrap_or(name);
     let is_plain = last.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '.' | '-' | '_'));
     (is_plain && !last.is_empty() && !last.starts_with('.')).then_some(name)
 }
@@ -280,6 +285,17 @@ mod tests {
     }
 
     #[test]
+    fn the_example_may_show_the_page_in_a_frame_and_the_page_may_show_nothing() {
+        let folder = folder_with_a_page("example");
+        std::fs::create_dir_all(folder.join("example")).unwrap();
+        std::fs::write(folder.join("example/embed.html"), "example").unwrap();
+        let example = reply(&folder, "/example/embed.html?x=1", "br");
+        assert_eq!((example.status, header(&example, "Cache-Control")), (200, Some("no-cache")));
+        assert!(header(&example, "Content-Security-Policy").unwrap().contains("frame-src 'self'"));
+        assert!(!header(&reply(&folder, "/", ""), "Content-Security-Policy").unwrap().contains("frame-src"));
+    }
+
+    #[test]
     fn no_address_leads_out_of_the_folder() {
         let folder = folder_with_a_page("inside");
         for url in [
@@ -289,6 +305,8 @@ mod tests {
             "/a/../a.wasm",
             "/maps/../a.wasm",
             "/maps/",
+            "/example/../a.wasm",
+            "/example/",
             "/%2e%2e/x",
             "//etc/passwd",
             "a.wasm",

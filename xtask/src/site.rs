@@ -8,6 +8,9 @@ use wasm_bindgen_cli_support::Bindgen;
 use crate::compress::{self, Effort, Sizes, fingerprint};
 use crate::{process, wasm};
 
+/// The page that shows how to embed this one.
+const EXAMPLE: [&str; 2] = ["embed.html", "embed.js"];
+
 /// `cargo xtask dist`.
 pub(crate) fn command(args: &[String]) -> Result<()> {
     let mut options = wasm::Options { quick: false, build_std: false };
@@ -29,6 +32,7 @@ pub(crate) fn build(options: wasm::Options, effort: Effort) -> Result<(PathBuf, 
     if folder.exists() {
         std::fs::remove_dir_all(&folder).with_context(|| format!("cannot empty {}", folder.display()))?;
     }
+    std::fs::create_dir_all(folder.join("example"))?;
     let mut site = Site { folder: folder.clone(), effort, total: Sizes::default() };
     println!("{:<40} {:>10} {:>10} {:>10}", "dist/", "bytes", "gzip", "brotli");
 
@@ -55,6 +59,9 @@ pub(crate) fn build(options: wasm::Options, effort: Effort) -> Result<(PathBuf, 
     )?;
     site.add("index.html", page.as_bytes())?;
 
+    for name in EXAMPLE {
+        site.add(&format!("example/{name}"), read(&format!("web/example/{name}"))?.as_bytes())?;
+    }
     site.add_maps()?;
 
     let Sizes { raw, gzip, brotli } = site.total;

@@ -43,6 +43,12 @@ pub(super) fn is_scene(name: &str) -> bool {
     assets::DEMOS.contains(&name) || Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("json"))
 }
 
+/// A demo.
+pub(super) fn demo(name: &str) -> Result<Scene, Failure> {
+    let known = || assets::DEMOS.join(", ");
+    assets::demo(name).ok_or_else(|| Failure::new(format!("there is no demo {name:?}; there are {}", known())))
+}
+
 /// A demo or a scene file.
 pub(super) fn scene(name: &str) -> Result<Scene, Failure> {
     if let Some(scene) = assets::demo(name) {

@@ -49,6 +49,8 @@ struct Common {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Opens the window with a demo or with what a link holds.
+    View(window::Args),
     /// Finds the table plane and the clusters on it.
     Segment(segment::Args),
     /// Fits a superquadric to each cloud.
@@ -128,7 +130,8 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let common = cli.common;
     let outcome = match cli.command {
-        None => window::run(),
+        None => window::run(window::Args::default()),
+        Some(Command::View(args)) => window::run(args),
         Some(Command::Segment(args)) => segment::run(&args, &common),
         Some(Command::Fit(args)) => fit::run(&args, &common),
         Some(Command::Grasps(args)) => grasps::run(&args, &common),

@@ -148,6 +148,11 @@ pub(super) fn with_keys(state: &ViewerState) -> Vec<Action> {
         Action::new(Page, "Redo", Command::Redo)
             .keys("Ctrl Shift Z", Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
             .when(state.can_redo()),
+        Action::new(Page, "Copy a link to this view", Command::Share).keys(
+            "Ctrl Shift S",
+            Modifiers::COMMAND | Modifiers::SHIFT,
+            Key::S,
+        ),
         Action::new(Page, "Undo", Command::Undo).keys("Ctrl Z", Modifiers::COMMAND, Key::Z).when(state.can_undo()),
         Action::new(
             Page,
@@ -214,6 +219,9 @@ pub(super) fn without_keys(state: &ViewerState) -> Vec<Action> {
     for (theme, name) in themes {
         actions.push(Action::new(Page, format!("Theme {name}"), Command::SetTheme(theme)).when(state.theme != theme));
     }
+    actions.push(Action::new(Scene, "Open a file…", Command::PickFile));
+    actions.push(Action::new(Export, "Save the session", Command::SaveSession));
+    actions.push(Action::new(Export, "Save the scene", Command::SaveScene));
     actions.push(Action::new(Export, "Save a picture of the view", Command::Screenshot));
     for format in ExportFormat::ALL {
         let title = format!("Save the ranked grasps as {}", format.extension().to_uppercase());

@@ -6,10 +6,11 @@ use crate::export::MotionFormat;
 use egui::{ColorImage, Context, Ui};
 use endcomfort_core::grasp::ExportFormat;
 
+use super::share::Autosave;
 use super::state::Step;
 use super::view3d::View3d;
 use super::{
-    Command, Document, Effect, LabCommand, Overlay, ReachCommand, Studio, ThemeChoice, ViewCommand, ViewEffect,
+    Command, Document, Effect, LabCommand, Offer, Overlay, ReachCommand, Studio, ThemeChoice, ViewCommand, ViewEffect,
     ViewerState, draw_panels, theme,
 };
 use crate::host::Host;
@@ -23,16 +24,21 @@ pub struct StartOptions {
     pub gallery: bool,
     /// Dark, light, or as the system has it.
     pub theme: ThemeChoice,
+    /// Link to open instead of a demo.
+    pub link: Option<String>,
+    /// Whether this is a part of somebody else's page.
+    pub is_embedded: bool,
 }
 
 /// The interface as eframe runs it.
 pub struct App {
-    state: ViewerState,
-    view: View3d,
-    host: Box<dyn Host>,
+    pub(super) state: ViewerState,
+    pub(super) view: View3d,
+    pub(super) host: Box<dyn Host>,
     studio: Box<dyn Studio>,
     inbox: Inbox,
     screenshot: Screenshot,
+    pub(super) autosave: Autosave,
 }
 
 /// Files that are still being read when they are dropped (the browser reads them in its own time).
@@ -66,12 +72,22 @@ impl App {
         let name = first.name.clone();
         let mut state = ViewerState::new(document, demos, studio.robots());
         state.demo = Some(name);
-        let mut app =
-            Self { state, view: View3d::new(gpu), host, studio, inbox: Inbox::default(), screenshot: Screenshot::None };
+        state.is_embedded = start.is_embedded;
+        let mut app = Self {
+            state,
+            view: View3d::new(gpu),
+            host,
+            studio,
+            inbox: Inbox::default(),
+            screenshot: Screenshot::None,
+            autosave: Autosave::default(),
+        };
         let ctx = &cc.egui_ctx;
         app.apply(ctx, Command::SetTheme(start.theme));
+        let is_linked = start.link.is_some_and(|link| app.open_link(ctx, &link).is_ok());
         let wanted = start.demo.filter(|demo| app.state.demo.as_ref() != Some(demo));
         match wanted {
+            _ if is_linked => {}
             Some(demo) if app.state.demo_named(&demo).is_some() => app.apply(ctx, Command::OpenDemo(demo)),
             unknown => {
                 let effects = app.state.run();
@@ -81,9 +97,13 @@ impl App {
                 }
             }
         }
-        if start.gallery {
+        if start.is_embedded {
+            app.apply(ctx, Command::Present(true));
+        } else if start.gallery && !is_linked {
+            app.state.offer = app.host.store().and_then(|store| Offer::read(store, &app.state.demos));
             app.apply(ctx, Command::Show(Overlay::Gallery));
         }
+        app.autosave = Autosave::new(app.state.revision);
         Ok(app)
     }
 
@@ -133,8 +153,7 @@ impl App {
     /// # Errors
     /// A sentence that lists the steps when there is none of this name.
     pub fn select_step(&mut self, ctx: &Context, name: &str) -> Result<(), String> {
-        let named = |step: &Step| step.title().eq_ignore_ascii_case(name);
-        let Some(step) = Step::ALL.into_iter().find(named) else {
+        let Some(step) = Step::named(name) else {
             let known = Step::ALL.map(Step::title).join(", ").to_lowercase();
             return Err(format!("there is no step {name:?}; the steps are {known}"));
         };
@@ -164,7 +183,7 @@ impl App {
         ctx.request_repaint();
     }
 
-    fn carry_out(&mut self, ctx: &Context, effects: Vec<Effect>) {
+    pub(super) fn carry_out(&mut self, ctx: &Context, effects: Vec<Effect>) {
         for effect in effects {
             match effect {
                 Effect::Run(request) => self.host.submit(*request),
@@ -188,6 +207,11 @@ impl App {
                 Effect::Screenshot => self.ask_for_screenshot(ctx),
                 Effect::Export(format) => self.export(format),
                 Effect::ExportMotion(format) => self.export_motion(format),
+                Effect::PlaceCamera(camera) => self.view.place(camera),
+                Effect::Share => self.share(ctx),
+                Effect::PickFile => self.host.pick(),
+                Effect::SaveSession => self.save_session(),
+                Effect::OpenPage => self.open_page(ctx),
             }
         }
     }
@@ -195,8 +219,10 @@ impl App {
     /// Updates of the worker, files that were read, pictures that were taken.
     fn take_in(&mut self, ctx: &Context) {
         for update in self.host.poll() {
+            let before = self.state.stages.clone();
             let effects = self.state.receive(update);
             self.carry_out(ctx, effects);
+            self.tell_stages(&before);
             ctx.request_repaint();
         }
         let arrived = std::mem::take(&mut *self.inbox.lock().unwrap_or_else(PoisonError::into_inner));
@@ -282,6 +308,7 @@ impl App {
 impl eframe::App for App {
     fn logic(&mut self, ctx: &Context, _frame: &mut eframe::Frame) {
         self.take_in(ctx);
+        self.keep_for_next_visit(ctx);
         if self.state.playback.playing {
             self.state.advance(f64::from(ctx.input(|input| input.stable_dt)).min(0.1));
             ctx.request_repaint();

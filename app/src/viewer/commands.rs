@@ -9,12 +9,13 @@ use endcomfort_core::scene::{ArmChoice, SCENE_VERSION, Scene};
 use endcomfort_core::task::Plan;
 
 use super::goal_drag::GoalDrag;
-use super::state::{IkChoice, Presentation, Side, StageState, Standing, Step, ThemeChoice};
+use super::state::{IkChoice, Presentation, Side, StageState, Step, ThemeChoice};
 use super::{
-    Document, GraspCommand, HandoverCommand, LabCommand, Layer, Overlay, PlaceCommand, PlanCommand, Playback,
-    ReachCommand, ViewCommand, ViewEffect, ViewerState, playback,
+    Document, GraspCommand, HandoverCommand, LabCommand, Layer, Opened, Overlay, PlaceCommand, PlanCommand, Playback,
+    ReachCommand, ViewCommand, ViewEffect, ViewerState, playback, share,
 };
 use crate::export::MotionFormat;
+use crate::render::Camera;
 
 /// Something a person does.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,6 +104,20 @@ pub enum Command {
     View(ViewCommand),
     /// Saves a picture of the view.
     Screenshot,
+    /// Copies a link to this view.
+    Share,
+    /// Opens what a link or a session holds.
+    OpenShared(Box<Opened>),
+    /// Opens what was left at the last visit.
+    Restore,
+    /// Asks for a file to open.
+    PickFile,
+    /// Saves everything that is needed to open this view again, a dropped cloud included.
+    SaveSession,
+    /// Saves the scene alone.
+    SaveScene,
+    /// Opens this view on a page of its own.
+    OpenPage,
 }
 
 /// What the world outside the state has to do.
@@ -128,6 +143,16 @@ pub enum Effect {
     Theme(ThemeChoice),
     /// Say this to assistive technology.
     Announce(String),
+    /// Put the camera there, and frame nothing.
+    PlaceCamera(Camera),
+    /// Copy a link to this view.
+    Share,
+    /// Ask the person for a file.
+    PickFile,
+    /// Hand a session to the person as a file.
+    SaveSession,
+    /// Open this view on a page of its own.
+    OpenPage,
 }
 
 impl ViewerState {
@@ -258,6 +283,7 @@ impl ViewerState {
                 self.theme = theme;
                 return vec![Effect::Theme(theme)];
             }
+            Command::Show(Overlay::Gallery) if self.is_embedded => {}
             Command::Show(overlay) => {
                 self.overlay = overlay;
                 self.drawer = None;
@@ -268,6 +294,13 @@ impl ViewerState {
             Command::Place(command) => return self.apply_place(command),
             Command::View(command) => return self.apply_view(command),
             Command::Screenshot => return vec![Effect::Screenshot],
+            Command::Share => return vec![Effect::Share],
+            Command::OpenShared(opened) => return self.open_shared(*opened),
+            Command::Restore => return self.restore(),
+            Command::PickFile => return vec![Effect::PickFile],
+            Command::SaveSession => return vec![Effect::SaveSession],
+            Command::SaveScene => return self.save_scene(),
+            Command::OpenPage => return vec![Effect::OpenPage],
         }
         Vec::new()
     }
@@ -318,21 +351,18 @@ impl ViewerState {
         if bytes.is_empty() {
             return self.apply(Command::FileFailed { name, reason: "it is empty".to_owned() });
         }
-        let standing = (self.outputs.scene.is_some() && !self.is_stale(Stage::Scene)).then(|| {
-            Box::new(Standing {
-                document: self.document.clone(),
-                revision: self.revision,
-                stages: self.stages.clone(),
-                outputs: self.outputs.clone(),
-                demo: self.demo.clone(),
-            })
-        });
+        let standing = self.standing();
         if name.to_ascii_lowercase().ends_with(".reach") {
             return self.open_map(name, bytes);
         }
         let is_json = name.to_ascii_lowercase().ends_with(".json");
-        if is_json && serde_json::from_slice(&bytes).is_ok_and(|json| HandDescription::is_meant_by(&json)) {
-            return self.open_hand(name, &bytes);
+        if let Some(json) = is_json.then(|| serde_json::from_slice(&bytes).ok()).flatten() {
+            if HandDescription::is_meant_by(&json) {
+                return self.open_hand(name, &bytes);
+            }
+            if share::is_session(&json) {
+                return self.open_session(name, json);
+            }
         }
         let effects = if is_json {
             match read_scene(&bytes) {
@@ -380,7 +410,7 @@ impl ViewerState {
         if document == self.document {
             return Vec::new();
         }
-        self.fallback = None;
+        (self.fallback, self.restoring) = (None, None);
         self.planning.drag = GoalDrag::default();
         self.history.record(self.document.clone());
         self.set_document(document);
@@ -426,6 +456,9 @@ impl ViewerState {
 
     /// Starts the presentation, which plays the plan in a loop, or ends it.
     fn present(&mut self, wanted: bool) -> Vec<Effect> {
+        if self.is_embedded && !wanted {
+            return Vec::new();
+        }
         match (self.presentation.take(), wanted) {
             (presentation @ Some(_), true) => {
                 self.presentation = presentation;

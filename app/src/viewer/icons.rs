@@ -34,6 +34,7 @@ pub(super) enum Icon {
     Follow,
     Present,
     Sliders,
+    Link,
 }
 
 /// Draws an icon in a square of `size` points around `centre`.
@@ -164,6 +165,11 @@ pub(super) fn paint(painter: &Painter, icon: Icon, centre: Pos2, size: f32, colo
                 pen.line(&[(2.0, y), (14.0, y)]);
                 pen.disc((x, y), 2.1);
             }
+        }
+        Icon::Link => {
+            pen.line(&[(6.8, 9.2), (9.2, 6.8)]);
+            pen.line(&[(7.6, 4.8), (9.2, 3.2), (11.0, 2.8), (13.2, 5.0), (12.8, 6.8), (11.2, 8.4)]);
+            pen.line(&[(8.4, 11.2), (6.8, 12.8), (5.0, 13.2), (2.8, 11.0), (3.2, 9.2), (4.8, 7.6)]);
         }
         Icon::File => {
             pen.closed(&[(3.5, 1.8), (9.5, 1.8), (12.5, 4.8), (12.5, 14.2), (3.5, 14.2)]);

@@ -1,7 +1,10 @@
 //! What the view shows, layer by layer.
 
+use serde::{Deserialize, Serialize};
+
 /// A thing that can be shown or hidden.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Layer {
     Robot,
     Cloud,
@@ -60,7 +63,7 @@ impl Layer {
 }
 
 /// How one layer is shown.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LayerView {
     /// Whether it is shown.
     pub visible: bool,

@@ -8,6 +8,7 @@
 
 mod actions;
 mod app;
+mod app_share;
 mod captions;
 mod commands;
 mod compose_input;
@@ -40,6 +41,7 @@ mod reach;
 mod reach_view;
 mod region_drag;
 mod regions;
+mod share;
 mod slider;
 mod state;
 mod status;
@@ -71,6 +73,7 @@ pub use playback::Playback;
 pub use quantities::unit as unit_of;
 pub use reach::{MapSource, ReachCommand, ReachKey, ReachPage, Reaching, ShownMap, Slot, VoxelChoice};
 pub use reach_view::{Keep, ReachArms, ReachQuantity, ReachView, Slice};
+pub use share::{Offer, Opened, ShareError, SharedView, link_text, read_link, read_session, session_text};
 pub use state::{
     Hover, IkChoice, Message, Overlay, Presentation, Selection, Side, Situation, StageState, Step, ThemeChoice,
     ViewerState,

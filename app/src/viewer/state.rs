@@ -7,8 +7,8 @@ use endcomfort_core::job::{Refusal, Stage};
 
 use super::document::History;
 use super::{
-    ComposeInput, Demo, Document, Grasping, Lab, Layers, Outputs, Planning, Playback, Posture, Reaching, RobotChoice,
-    TableView, Thing, ViewKey, Viewing,
+    ComposeInput, Demo, Document, Grasping, Lab, Layers, Offer, Outputs, Planning, Playback, Posture, Reaching,
+    RobotChoice, SharedView, TableView, Thing, ViewKey, Viewing,
 };
 
 /// Everything the interface knows. Panels read it; [`ViewerState::apply`] and [`ViewerState::receive`] change it.
@@ -61,12 +61,18 @@ pub struct ViewerState {
     pub robots: Vec<RobotChoice>,
     /// Dark, light, or as the system has it.
     pub theme: ThemeChoice,
+    /// What was open at the last visit.
+    pub offer: Option<Offer>,
+    /// Whether this is a part of somebody else's page: the presentation alone, which is not left.
+    pub is_embedded: bool,
     pub(super) history: History,
     pub(super) newest_revision: u64,
     pub(super) outputs_version: u64,
     pub(super) next_message: u64,
     /// What stood before a file was opened, until its first stage stands.
     pub(super) fallback: Option<Box<Standing>>,
+    /// How a link or a session was looked at, until its answer stands.
+    pub(super) restoring: Option<SharedView>,
 }
 
 /// A document with its results: what is put back when a dropped file turns out to be unreadable.
@@ -120,6 +126,11 @@ impl Step {
             Self::Stage(stage) => stage.title(),
             Self::Play => "Play",
         }
+    }
+
+    /// The row of this title, upper and lower case alike.
+    pub fn named(title: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|step| step.title().eq_ignore_ascii_case(title))
     }
 }
 
@@ -255,11 +266,14 @@ impl ViewerState {
             demo: None,
             robots,
             theme: ThemeChoice::System,
+            offer: None,
+            is_embedded: false,
             history: History::default(),
             newest_revision: 1,
             outputs_version: 0,
             next_message: 0,
             fallback: None,
+            restoring: None,
         }
     }
 
@@ -398,6 +412,19 @@ impl ViewerState {
         if self.messages.len() > 3 {
             self.messages.remove(0);
         }
+    }
+
+    /// What is put back when a file turns out to be unreadable; `None` while nothing stands.
+    pub(super) fn standing(&self) -> Option<Box<Standing>> {
+        (self.outputs.scene.is_some() && !self.is_stale(Stage::Scene)).then(|| {
+            Box::new(Standing {
+                document: self.document.clone(),
+                revision: self.revision,
+                stages: self.stages.clone(),
+                outputs: self.outputs.clone(),
+                demo: self.demo.clone(),
+            })
+        })
     }
 
     /// Shares the demo of this name.

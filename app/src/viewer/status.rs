@@ -102,7 +102,7 @@ impl ViewerState {
         json!({ "maps": maps, "chosen": chosen, "building": self.map_under_way().map(|(fraction, _)| fraction) })
     }
 
-    fn stage_status(&self, stage: Stage) -> Value {
+    pub(super) fn stage_status(&self, stage: Stage) -> Value {
         match self.stage(stage) {
             StageState::Waiting => json!({ "stage": stage, "state": "waiting" }),
             StageState::Stale => json!({ "stage": stage, "state": "stale" }),

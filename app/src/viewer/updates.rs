@@ -32,6 +32,9 @@ impl ViewerState {
         };
         if is_answer {
             effects.extend(self.goal_answered(revision));
+            if revision == self.revision {
+                effects.extend(self.restore_view());
+            }
         }
         effects
     }
@@ -121,6 +124,7 @@ impl ViewerState {
             self.stages = standing.stages;
             self.outputs = standing.outputs;
             self.demo = standing.demo;
+            self.restoring = None;
             self.outputs_version += 1;
             self.say(true, refusal.message, refusal.details);
             return vec![Effect::Announce(sentence)];

@@ -73,6 +73,8 @@ pub(super) struct View3d {
     gizmo: GoalGizmo,
     /// The next frame is taken from the side of this place.
     wants_side: Option<Point3<f64>>,
+    /// Where the camera is put with the next picture, instead of framing anything.
+    placed: Option<Camera>,
 }
 
 /// A camera on its way.
@@ -142,6 +144,7 @@ impl View3d {
             region: RegionDrag::default(),
             gizmo: GoalGizmo::default(),
             wants_side: None,
+            placed: None,
         }
     }
 
@@ -166,13 +169,18 @@ impl View3d {
         self.travel_to(to);
     }
 
+    /// Puts the camera there with the next picture; nothing is framed over it.
+    pub(super) fn place(&mut self, camera: Camera) {
+        self.placed = Some(camera);
+    }
+
     fn travel_to(&mut self, to: Camera) {
         self.travel = Some(Travel { from: self.camera, to, passed_s: 0.0 });
     }
 
     /// Where the camera stands.
     pub(super) fn camera(&self) -> Camera {
-        self.camera
+        self.placed.unwrap_or(self.camera)
     }
 
     /// Draws the view under the panels and gives what the person did in it.
@@ -189,6 +197,10 @@ impl View3d {
             self.composed = Some(key);
         }
         self.go_to_lab(state);
+        if let Some(camera) = self.placed.take() {
+            (self.camera, self.travel) = (camera, None);
+            (self.wants_frame, self.wants_side, self.was_framed) = (false, None, true);
+        }
         if self.wants_frame {
             self.frame_picture(&layout, rect, state.presentation.is_some());
         }

@@ -98,6 +98,14 @@ pub enum ViewEffect {
 }
 
 impl ViewerState {
+    /// Projection and turning become those that a camera needs.
+    pub(super) fn look_with(&mut self, camera: &Camera) {
+        self.viewing.projection = camera.projection;
+        if camera.roll_rad != 0.0 {
+            self.viewing.turning = Turning::Free;
+        }
+    }
+
     pub(super) fn apply_view(&mut self, command: ViewCommand) -> Vec<Effect> {
         let effect = match command {
             ViewCommand::FrameAll => ViewEffect::FrameAll,
@@ -130,12 +138,9 @@ impl ViewerState {
                 return Vec::new();
             }
             ViewCommand::Recall(id) => match self.viewing.kept.iter().find(|kept| kept.id == id) {
-                Some(kept) => {
-                    self.viewing.projection = kept.camera.projection;
-                    if kept.camera.roll_rad != 0.0 {
-                        self.viewing.turning = Turning::Free;
-                    }
-                    ViewEffect::GoTo(kept.camera)
+                Some(&KeptView { camera, .. }) => {
+                    self.look_with(&camera);
+                    ViewEffect::GoTo(camera)
                 }
                 None => return Vec::new(),
             },

@@ -10,7 +10,7 @@ use crate::viewer::handing::everybody;
 use crate::viewer::icons::Icon;
 use crate::viewer::theme::{BODY, RADIUS, SECONDARY, Tokens, font, strong};
 use crate::viewer::widgets::{focus_ring, icon_button, paragraph, secondary_button, text_in};
-use crate::viewer::{Command, Demo, Overlay, ViewerState, format};
+use crate::viewer::{Command, Demo, Offer, Overlay, ViewerState, format};
 
 const GAP: f32 = 16.0;
 /// Height of a heading with the gap below it, points.
@@ -37,7 +37,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         ui.horizontal(|ui| {
             ui.vertical(|ui| {
                 ui.label(egui::RichText::new("From a depth cloud to a comfortable grasp").font(strong(20.0)));
-                let text = "Pick a demo, or drop a PCD, PLY or XYZ cloud or a scene JSON anywhere.";
+                let text = "Pick a demo, or drop a PCD, PLY or XYZ cloud, a scene or a saved session anywhere.";
                 let _text = paragraph(ui, text, BODY, tokens.secondary);
             });
             ui.with_layout(egui::Layout::right_to_left(Align::Min), |ui| {
@@ -47,6 +47,9 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
             });
         });
         ui.add_space(12.0);
+        if let Some(offer) = &state.offer {
+            restore_line(ui, offer, out);
+        }
         let most = (window.height() - 260.0).max(180.0);
         let (handovers, alone): (Vec<&Demo>, Vec<&Demo>) =
             state.demos.iter().partition(|demo| demo.scene.handover.is_some());
@@ -97,6 +100,20 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     if modal.should_close() {
         out.push(Command::Show(Overlay::None));
     }
+}
+
+/// What was open at the last visit.
+fn restore_line(ui: &mut Ui, offer: &Offer, out: &mut Out) {
+    let tokens = Tokens::of(ui);
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.x = 12.0;
+        if secondary_button(ui, "Restore what you had open", true).clicked() {
+            out.push(Command::Restore);
+        }
+        let text = format!("{}, {}", offer.title, offer.when());
+        ui.label(egui::RichText::new(text).font(font(BODY)).color(tokens.secondary));
+    });
+    ui.add_space(12.0);
 }
 
 fn picture_height(card_width: f32) -> f32 {

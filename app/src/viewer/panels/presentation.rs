@@ -39,8 +39,13 @@ fn head(ui: &mut Ui, state: &ViewerState, layout: &Layout, out: &mut Out) {
     let playing = state.playback.playing;
     let dark = ui.visuals().dark_mode;
     let theme = if dark { crate::viewer::ThemeChoice::Light } else { crate::viewer::ThemeChoice::Dark };
+    let leave = if state.is_embedded {
+        (Icon::Link, "Open in Endcomfort", Command::OpenPage)
+    } else {
+        (Icon::Cross, "Leave the presentation (Esc)", Command::Present(false))
+    };
     let buttons = [
-        (Icon::Cross, "Leave the presentation (Esc)", Command::Present(false)),
+        leave,
         (
             if dark { Icon::Sun } else { Icon::Moon },
             if dark { "Light theme" } else { "Dark theme" },

@@ -26,8 +26,8 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, layout: &Layout, out: &mut 
         }
         let right_part = match (layout.is_phone, layout.is_narrow) {
             (true, _) => 180.0,
-            (_, true) => 204.0,
-            _ => 300.0,
+            (_, true) => 238.0,
+            _ => 334.0,
         };
         demo_menu(ui, state, (ui.available_width() - right_part).max(60.0), out);
         ui.with_layout(UiLayout::right_to_left(Align::Center), |ui| {
@@ -87,9 +87,19 @@ fn demo_menu(ui: &mut Ui, state: &ViewerState, max_width: f32, out: &mut Out) {
             }
         }
         crate::viewer::widgets::hairline(ui);
-        if menu_row(ui, "All demos…", false) {
-            out.push(Command::Show(Overlay::Gallery));
-            ui.close();
+        // A window has no list of files of its own: there they are dropped.
+        let open = cfg!(target_arch = "wasm32").then_some(("Open a file…", Command::PickFile));
+        let rows = [
+            ("All demos…", Command::Show(Overlay::Gallery)),
+            ("Copy a link to this view", Command::Share),
+            ("Save the session", Command::SaveSession),
+            ("Save the scene", Command::SaveScene),
+        ];
+        for (words, command) in rows.into_iter().chain(open) {
+            if menu_row(ui, words, false) {
+                out.push(command);
+                ui.close();
+            }
         }
     });
 }
@@ -116,6 +126,10 @@ fn right_part_of(ui: &mut Ui, state: &ViewerState, layout: &Layout, out: &mut Ou
     }
     if !layout.is_phone && icon_button(ui, Icon::Camera, "Save a picture of the view", true, false).clicked() {
         out.push(Command::Screenshot);
+    }
+    if !layout.is_phone && icon_button(ui, Icon::Link, "Copy a link to this view (Ctrl Shift S)", true, false).clicked()
+    {
+        out.push(Command::Share);
     }
     super::view_menu::draw(ui, state, out);
     if icon_button(ui, Icon::Redo, "Redo (Ctrl Shift Z)", state.can_redo(), false).clicked() {

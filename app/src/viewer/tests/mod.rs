@@ -11,6 +11,7 @@ mod pictures;
 mod placing;
 mod plans;
 mod reach;
+mod share;
 mod tasks;
 mod view;
 

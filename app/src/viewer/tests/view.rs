@@ -11,7 +11,7 @@ use nalgebra::{Isometry3, Vector3};
 
 use super::{Page, invented};
 use crate::export::MotionFormat;
-use crate::render::{Frame, MeshDraw, Named, Surface, shapes};
+use crate::render::{Camera, Frame, MeshDraw, Named, Surface, shapes};
 use crate::viewer::layout::Layout;
 use crate::viewer::view3d::View3d;
 use crate::viewer::{
@@ -176,6 +176,24 @@ fn the_view_frames_the_scene_between_the_panels_and_follows_the_hand() {
     // 120 points at a quarter turn per 300 points are 36°, less what the drag needs to be told from a click.
     assert!((0.4..0.7).contains(&turned), "turned by {turned} rad");
     assert!((before.distance_m - after.distance_m).abs() < 1e-9);
+}
+
+#[test]
+fn a_camera_that_a_link_brings_is_not_framed_over_whether_it_comes_first_or_later() {
+    let wanted = Camera { yaw_rad: -1.0, distance_m: 4.0, ..Camera::default() };
+    let mut harness = whole();
+    harness.state_mut().view.place(wanted);
+    harness.run_steps(5);
+    assert_eq!(harness.state().view.camera(), wanted, "before anything was framed");
+
+    let mut harness = whole();
+    harness.run_steps(3);
+    assert_ne!(harness.state().view.camera(), wanted);
+    harness.state_mut().view.frame_all();
+    harness.state_mut().view.place(wanted);
+    assert_eq!(harness.state().view.camera(), wanted, "also for a link that is made before the next picture");
+    harness.run_steps(30);
+    assert_eq!(harness.state().view.camera(), wanted, "over a frame that was asked for at the same time");
 }
 
 #[test]
