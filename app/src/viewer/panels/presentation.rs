@@ -9,7 +9,7 @@ use super::plan::color;
 use super::timeline::{empty, scrubbing, x_of};
 use crate::viewer::icons::Icon;
 use crate::viewer::layout::Layout;
-use crate::viewer::theme::{BODY, RADIUS, Tokens, strong};
+use crate::viewer::theme::{BODY, RADIUS, Tokens, font, strong};
 use crate::viewer::widgets::{elided, icon_button_at};
 use crate::viewer::{Command, ViewerState};
 
@@ -19,6 +19,10 @@ const CAPTION: [f32; 2] = [27.0, 20.0];
 const WIDEST: f32 = 980.0;
 /// Thickness of the line of time, points.
 const LINE: f32 = 5.0;
+/// What a part of somebody else's page offers instead of leaving.
+const OPEN: &str = "Open in Endcomfort";
+/// Width of those words with the ground below them, points.
+const OPEN_WIDTH: f32 = 152.0;
 /// Edge of a button, points.
 const BUTTON: f32 = 32.0;
 
@@ -39,13 +43,13 @@ fn head(ui: &mut Ui, state: &ViewerState, layout: &Layout, out: &mut Out) {
     let playing = state.playback.playing;
     let dark = ui.visuals().dark_mode;
     let theme = if dark { crate::viewer::ThemeChoice::Light } else { crate::viewer::ThemeChoice::Dark };
-    let leave = if state.is_embedded {
-        (Icon::Link, "Open in Endcomfort", Command::OpenPage)
-    } else {
-        (Icon::Cross, "Leave the presentation (Esc)", Command::Present(false))
+    let leave = match (state.is_embedded, layout.is_phone) {
+        (false, _) => Some((Icon::Cross, "Leave the presentation (Esc)", Command::Present(false))),
+        (true, true) => Some((Icon::Link, OPEN, Command::OpenPage)),
+        // There is room for the words.
+        (true, false) => None,
     };
-    let buttons = [
-        leave,
+    let others = [
         (
             if dark { Icon::Sun } else { Icon::Moon },
             if dark { "Light theme" } else { "Dark theme" },
@@ -62,6 +66,7 @@ fn head(ui: &mut Ui, state: &ViewerState, layout: &Layout, out: &mut Out) {
             Command::SetPlaying(!playing),
         ),
     ];
+    let buttons: Vec<_> = leave.into_iter().chain(others).collect();
     let width = BUTTON * buttons.len() as f32;
     let back = Rect::from_min_size(pos2(layout.top.right() - width - 8.0, layout.top.top()), vec2(width + 8.0, 40.0));
     ui.painter().rect(back, RADIUS, tokens.panel, Stroke::new(1.0, tokens.line), StrokeKind::Inside);
@@ -74,7 +79,18 @@ fn head(ui: &mut Ui, state: &ViewerState, layout: &Layout, out: &mut Out) {
         }
         right -= BUTTON;
     }
-    let width = (back.left() - layout.top.left() - 40.0).max(0.0);
+    let mut left = back.left();
+    if state.is_embedded && !layout.is_phone {
+        left -= OPEN_WIDTH + 8.0;
+        let rect = Rect::from_min_size(pos2(left, back.top()), vec2(OPEN_WIDTH, back.height()));
+        ui.painter().rect(rect, RADIUS, tokens.panel, Stroke::new(1.0, tokens.line), StrokeKind::Inside);
+        let middle = egui::Layout::centered_and_justified(egui::Direction::LeftToRight);
+        let mut inside = ui.new_child(egui::UiBuilder::new().max_rect(rect.shrink(4.0)).layout(middle));
+        if inside.link(egui::RichText::new(OPEN).font(font(BODY)).color(tokens.teal_text)).clicked() {
+            out.push(Command::OpenPage);
+        }
+    }
+    let width = (left - layout.top.left() - 40.0).max(0.0);
     let title = elided(ui, &state.document.scene.title, strong(BODY), tokens.text, width);
     let at = pos2(layout.top.left() + 12.0, back.center().y);
     let pill = Rect::from_min_size(pos2(at.x - 12.0, back.top()), vec2(title.size().x + 24.0, back.height()));

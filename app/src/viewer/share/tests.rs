@@ -32,7 +32,7 @@ fn with_demo(name: &str) -> ViewerState {
 }
 
 fn moved_camera() -> Camera {
-    Camera { yaw_rad: 1.234_567_89, pitch_rad: -0.412_345_6, distance_m: 3.141_592_65, ..Camera::default() }
+    Camera { yaw_rad: 1.234_567_89, pitch_rad: -0.412_345_6, distance_m: 3.240_713_65, ..Camera::default() }
 }
 
 /// Everything that an address can hold, away from where it was at first.
