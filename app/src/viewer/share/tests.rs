@@ -202,7 +202,12 @@ fn a_session_file_opens_as_a_scene_does_and_a_broken_one_changes_nothing() {
     assert_eq!((&other.document, other.demo.as_deref()), (&state.document, Some("glass")));
     assert_eq!((other.layers, other.selection.step), (state.layers, Step::Play));
     assert!(effects.iter().any(|effect| matches!(effect, crate::viewer::Effect::PlaceCamera(_))), "{effects:?}");
-    assert!(!effects.iter().any(|effect| matches!(effect, crate::viewer::Effect::FrameAll)), "{effects:?}");
+    assert!(
+        !effects
+            .iter()
+            .any(|effect| matches!(effect, crate::viewer::Effect::View(crate::viewer::ViewEffect::FrameAll))),
+        "{effects:?}"
+    );
 
     let before = other.document.clone();
     let broken = json!({"endcomfort_session": 2}).to_string();

@@ -7,6 +7,7 @@ use egui_kittest::kittest::Queryable as _;
 
 use super::{invented, page};
 use crate::render::Camera;
+use crate::viewer::ViewEffect;
 use crate::viewer::share::Offer;
 use crate::viewer::{Command, Effect, Layer, Overlay, link_text, read_link};
 
@@ -62,7 +63,10 @@ fn a_link_comes_to_stand_with_the_plan_and_the_camera_is_not_framed_over_it() {
     }
     effects.extend(state.receive(endcomfort_core::job::Update::Finished { revision: state.revision }));
     let placed = effects.iter().any(|effect| matches!(effect, Effect::PlaceCamera(at) if *at == camera));
-    assert!(placed && !effects.iter().any(|effect| matches!(effect, Effect::FrameAll)), "{effects:?}");
+    assert!(
+        placed && !effects.iter().any(|effect| matches!(effect, Effect::View(ViewEffect::FrameAll))),
+        "{effects:?}"
+    );
     assert_eq!(state.selection.step, shared.selection.step);
     assert_eq!(state.selection.grasp, Some(grasp));
     assert_eq!(state.layers, shared.layers);

@@ -189,7 +189,7 @@ fn a_camera_that_a_link_brings_is_not_framed_over_whether_it_comes_first_or_late
     let mut harness = whole();
     harness.run_steps(3);
     assert_ne!(harness.state().view.camera(), wanted);
-    harness.state_mut().view.frame_all();
+    harness.state_mut().view.go(ViewEffect::FrameAll);
     harness.state_mut().view.place(wanted);
     assert_eq!(harness.state().view.camera(), wanted, "also for a link that is made before the next picture");
     harness.run_steps(30);
