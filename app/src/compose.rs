@@ -6,6 +6,7 @@ mod lab;
 mod motion;
 mod palette;
 mod picture;
+mod posing;
 mod reach;
 mod reach_cells;
 mod swept;
@@ -23,7 +24,7 @@ use endcomfort_core::task::{Plan, TARGET};
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::render::{Frame, MeshDraw, PointsDraw, Surface, Theme, shapes};
-use crate::viewer::{Layer, Layers, Pick};
+use crate::viewer::{Layer, Layers, LedHand, Pick};
 pub use grasps::quantity_scale;
 pub use lab::LabContent;
 pub use motion::MotionContent;
@@ -71,6 +72,8 @@ pub struct Content<'a> {
     pub filter: Option<&'a GraspFilter>,
     /// Reachability maps, if there are any.
     pub reach: Option<ReachContent<'a>>,
+    /// The hands that are led, while the robot is posed.
+    pub hands: &'a [LedHand],
     /// The fit under examination, if there is one.
     pub lab: Option<LabContent<'a>>,
     pub theme: Theme,
@@ -128,6 +131,7 @@ impl Composer {
         self.add_motion(&mut frame, input, &palette);
         self.add_handover(&mut frame, input, &palette);
         self.add_reach(&mut frame, input, &palette);
+        self.add_posing(&mut frame, input, &palette);
         frame
     }
 
@@ -202,6 +206,9 @@ impl Composer {
                 let (mut color, surface) = palette.material(&visual.material, opacity);
                 if input.motion.blames(&link.name) {
                     color = palette.culprit;
+                    color[3] *= opacity;
+                } else if input.motion.strained.contains(&link.name) {
+                    color = palette.goal;
                     color[3] *= opacity;
                 } else if is_old {
                     color = palette.greyed(color);

@@ -104,6 +104,7 @@ impl Studio for BuiltInStudio {
             colored_by: input.colored_by(has_goal),
             filter: input.grasping.filter.as_ref(),
             reach: reach_content(input),
+            hands: &input.posing.hands,
             lab: lab_content(input),
             theme: if input.dark { Theme::Dark } else { Theme::Light },
         };
@@ -220,7 +221,7 @@ fn goals(input: &ComposeInput<'_>) -> (Option<Isometry3<f64>>, Vec<Isometry3<f64
 }
 
 /// How the plan is examined.
-fn motion_content<'a>(input: &ComposeInput<'a>) -> MotionContent<'a> {
+fn motion_content<'a>(input: &'a ComposeInput<'a>) -> MotionContent<'a> {
     let is_stale = input.outputs.plan.as_ref().is_some_and(|plan| plan.revision != input.revision);
     let shown = input.planning.shown_try.and_then(|index| input.tries.get(index));
     MotionContent {
@@ -230,7 +231,8 @@ fn motion_content<'a>(input: &ComposeInput<'a>) -> MotionContent<'a> {
         shown_place: input.planning.shown_place,
         is_presented: input.is_presented,
         kept: input.kept.map_or(&[], |kept| &kept.trail),
-        culprits: shown.map_or(&[], |tried| &tried.culprits),
+        culprits: shown.map_or(&input.posing.met, |tried| &tried.culprits),
+        strained: &input.posing.strained,
     }
 }
 
@@ -266,7 +268,7 @@ fn workspace(input: &ComposeInput<'_>) -> Bounds {
 fn outline(input: &ComposeInput<'_>, robot: &Robot, workspace: &Bounds) -> Vec<Point3<f64>> {
     let Some(agent) = input.scene.handover.as_ref().and_then(Handover::agent) else { return Vec::new() };
     let mut points = workspace.corners().to_vec();
-    let X_WL = robot.posture(&input.scene.posture).map(|q| robot.link_poses(q)).unwrap_or_default();
+    let X_WL = input.scene.q_start(robot).map(|q| robot.link_poses(&q)).unwrap_or_default();
     let prefix = format!("{}_", agent.model);
     let is_seen = |link: &Link| link.name.starts_with(&prefix) && !link.visuals.is_empty();
     for (_, X_WL) in robot.links.iter().zip(&X_WL).filter(|(link, _)| is_seen(link)) {
@@ -293,7 +295,7 @@ impl Standing {
         let outputs = input.outputs;
         let (X_WO_start, X_WO_goal) =
             outputs.grasps.as_ref().map_or((None, None), |g| (Some(g.X_WO_start), g.X_WO_goal));
-        let q = robot.posture(&input.scene.posture).map_or_else(|| vec![0.0; robot.dof_count()], <[f64]>::to_vec);
+        let q = input.scene.q_start(robot).unwrap_or_else(|_| vec![0.0; robot.dof_count()]);
         let at_start = Self { q, X_WO: X_WO_start };
         match input.posture {
             Posture::Start => at_start,
@@ -350,7 +352,7 @@ impl Standing {
     fn of_try(tried: &Try, input: &ComposeInput<'_>, robot: &Robot) -> Option<Self> {
         let outputs = input.outputs;
         let plan = outputs.plan.as_deref().filter(|plan| plan.q_start.len() == robot.dof_count());
-        let resting = || robot.posture(&input.scene.posture).map(<[f64]>::to_vec);
+        let resting = || input.scene.q_start(robot).ok();
         let mut q = plan.map(|plan| plan.q_start.clone()).or_else(resting)?;
         let arm = robot.arm(tried.arm.as_deref().unwrap_or(outputs.arm_name(input.scene)))?;
         let arm = if input.scene.torso { robot.arm_with_torso(arm) } else { arm.clone() };

@@ -1,12 +1,14 @@
 //! The scene: the document that people save and share.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Isometry3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::fit::FitSettings;
 use crate::grasp::{GraspSettings, RankSettings};
 use crate::handover::Handover;
-use crate::robot::{HandDescription, HandError};
+use crate::robot::{HandDescription, HandError, MAX_LINKS, Robot, StartError};
 use crate::segment::SegmentSettings;
 use crate::task::MotionSettings;
 
@@ -30,6 +32,9 @@ pub struct Scene {
     pub arm: ArmChoice,
     /// Posture (of the SRDF) from which the robot starts.
     pub posture: String,
+    /// Joints that start elsewhere than in that posture, by their names in the URDF: radians or metres.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub joints: BTreeMap<String, f64>,
     /// Table top in the world.
     pub table: TableTop,
     /// Objects on the table; the one named by `task.object` is grasped.
@@ -263,6 +268,14 @@ impl Scene {
         near.min_by(|l, r| apart(l).total_cmp(&apart(r)))
     }
 
+    /// Where the robot's joints start, one value per degree of freedom.
+    ///
+    /// # Errors
+    /// [`StartError`] if the robot lacks the posture or a joint, or a joint would start outside of its limits.
+    pub fn q_start(&self, robot: &Robot) -> Result<Vec<f64>, StartError> {
+        robot.start(&self.posture, &self.joints)
+    }
+
     /// Gives the acting arm a hand of the user's own, and the contacts its friction where that is known.
     pub fn set_hand(&mut self, hand: HandDescription) {
         if let Some(friction) = hand.friction {
@@ -291,6 +304,10 @@ impl Scene {
         }
         for (list, count) in [("objects", self.objects.len()), ("obstacles", self.obstacles.len())] {
             check(count <= MAX_THINGS, list, count, format!("at most {MAX_THINGS}"))?;
+        }
+        check(self.joints.len() <= MAX_LINKS, "joints", self.joints.len(), format!("at most {MAX_LINKS}"))?;
+        for (name, value) in &self.joints {
+            check(value.is_finite(), &format!("joints.{name}"), value, "a finite number".into())?;
         }
         let table = &self.table;
         for (name, value) in

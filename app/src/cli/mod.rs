@@ -15,6 +15,7 @@ mod reach;
 mod reach_options;
 mod render;
 mod segment;
+mod start_options;
 mod table;
 mod views;
 mod window;

@@ -7,7 +7,7 @@ use endcomfort_core::handover::HandoverReport;
 use endcomfort_core::job::{Output, Stage};
 use endcomfort_core::task::plan_json_lines;
 
-use super::{Common, Failure, input, motion_options};
+use super::{Common, Failure, input, motion_options, start_options};
 use crate::assets;
 use crate::export::{MotionFormat, export_motion};
 use crate::jobs;
@@ -30,6 +30,8 @@ pub(super) struct Args {
     /// File that receives the motion: .csv, .json, .yaml (ROS JointTrajectory) or .glb (the scene, animated).
     #[arg(long, value_parser = motion_file)]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    start: start_options::Options,
     #[command(flatten)]
     motion: motion_options::Options,
 }
@@ -60,6 +62,7 @@ fn motion_file(text: &str) -> Result<PathBuf, String> {
 
 pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
     let mut request = input::request(&args.scene, args.robot.as_deref(), common)?;
+    args.start.apply(&mut request.scene)?;
     match args.task {
         TaskName::Pick => {
             request.scene.task.steps.clear();

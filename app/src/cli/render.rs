@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use endcomfort_core::job::Output;
 
-use super::{Common, Failure, input, reach_options};
+use super::{Common, Failure, input, reach_options, start_options};
 use crate::figures::{Picture, PictureSettings};
 use crate::render::Theme;
 use crate::{assets, jobs};
@@ -36,6 +36,8 @@ pub(super) struct Args {
     #[arg(long)]
     robot: Option<String>,
     #[command(flatten)]
+    start: start_options::Options,
+    #[command(flatten)]
     reach: reach_options::Options,
 }
 
@@ -53,7 +55,8 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 }
 
 pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
-    let request = input::request(&args.scene, args.robot.as_deref(), common)?;
+    let mut request = input::request(&args.scene, args.robot.as_deref(), common)?;
+    args.start.apply(&mut request.scene)?;
     let last = if args.time.is_some() { endcomfort_core::job::Stage::Plan } else { endcomfort_core::job::Stage::Rank };
     let robot = assets::library().robot_of(&request.scene).map_err(|error| Failure::new(error.to_string()))?;
     // A picture of a scene that cannot be planned still shows what was found on the way.

@@ -39,6 +39,8 @@ pub struct MotionContent<'a> {
     pub kept: &'a [Point3<f64>],
     /// Names of what stands in the way in the posture that is shown.
     pub culprits: &'a [String],
+    /// Names of the links whose joints are at a limit in that posture.
+    pub strained: &'a [String],
 }
 
 impl MotionContent<'_> {

@@ -9,7 +9,7 @@ use endcomfort_core::scene::ArmChoice;
 
 use super::state::{Step, ThemeChoice};
 use super::{
-    Command, GraspCommand, LabCommand, Layer, Overlay, PlaceCommand, PlanCommand, ReachCommand, Thing, Turning,
+    Command, GraspCommand, LabCommand, Layer, Overlay, PlaceCommand, PlanCommand, PoseCommand, ReachCommand, Thing, Turning,
     ViewCommand, ViewerState,
 };
 use crate::export::MotionFormat;
@@ -105,6 +105,10 @@ pub(super) fn with_keys(state: &ViewerState) -> Vec<Action> {
         true => (ReachCommand::Close, "Leave the reachability maps"),
         false => (ReachCommand::Open, "Show what the arms reach"),
     };
+    let (pose, pose_title) = match state.posing.is_open {
+        true => (PoseCommand::Close, "Leave the robot's pose"),
+        false => (PoseCommand::Open, "Pose the robot: hands and joints"),
+    };
     let is_presented = state.presentation.is_some();
     let thing = state.selected_thing();
     let on_thing = |deed: fn(Thing) -> PlaceCommand| Command::Place(thing.map_or(PlaceCommand::Select(None), deed));
@@ -143,6 +147,7 @@ pub(super) fn with_keys(state: &ViewerState) -> Vec<Action> {
         Action::new(View, other_projection.1, Command::View(ViewCommand::Project(other_projection.0)))
             .key("5", Key::Num5),
         Action::new(View, "Keep this view", Command::View(ViewCommand::Keep)).key("K", Key::K),
+        Action::new(Select, pose_title, Command::Pose(pose)).key("J", Key::J),
         Action::new(View, reach_title, Command::Reach(reach)).key("R", Key::R),
         Action::new(Page, "Find anything", toggled(Overlay::Palette)).keys("Ctrl K", Modifiers::COMMAND, Key::K),
         Action::new(Page, "Redo", Command::Redo)

@@ -11,7 +11,7 @@ use endcomfort_core::task::Plan;
 use super::goal_drag::GoalDrag;
 use super::state::{IkChoice, Presentation, Side, StageState, Step, ThemeChoice};
 use super::{
-    Document, GraspCommand, HandoverCommand, LabCommand, Layer, Opened, Overlay, PlaceCommand, PlanCommand, Playback,
+    Document, GraspCommand, HandoverCommand, LabCommand, Layer, Opened, Overlay, PlaceCommand, PlanCommand, Playback, PoseCommand,
     ReachCommand, ViewCommand, ViewEffect, ViewerState, playback, share,
 };
 use crate::export::MotionFormat;
@@ -100,6 +100,8 @@ pub enum Command {
     Escape,
     /// Moves, adds or takes away what stands in the scene.
     Place(PlaceCommand),
+    /// Poses the robot by hand.
+    Pose(PoseCommand),
     /// Moves the camera.
     View(ViewCommand),
     /// Saves a picture of the view.
@@ -161,6 +163,7 @@ impl ViewerState {
         self.make_way(&command);
         let mut effects = self.obey(command);
         effects.extend(self.ask_for_maps());
+        self.look_around();
         effects
     }
 
@@ -177,6 +180,7 @@ impl ViewerState {
                 let posture = self.robots.iter().find(|robot| robot.name == name).map(|robot| robot.posture.clone());
                 return self.edit_scene(|scene| {
                     scene.robot = name;
+                    scene.joints.clear();
                     if let Some(posture) = posture {
                         scene.posture = posture;
                     }
@@ -292,6 +296,7 @@ impl ViewerState {
             Command::Dismiss(id) => self.messages.retain(|message| message.id != id),
             Command::Escape => return self.escape(),
             Command::Place(command) => return self.apply_place(command),
+            Command::Pose(command) => return self.apply_pose(command),
             Command::View(command) => return self.apply_view(command),
             Command::Screenshot => return vec![Effect::Screenshot],
             Command::Share => return vec![Effect::Share],
@@ -433,6 +438,7 @@ impl ViewerState {
     fn replace(&mut self, document: Document) -> Vec<Effect> {
         self.fallback = None;
         self.planning.drag = GoalDrag::default();
+        self.posing.recall_all();
         let scene = document.scene.clone();
         self.demo = self.demos.iter().find(|demo| demo.scene.name == scene.name).map(|demo| demo.name.clone());
         self.set_document(document);
@@ -516,6 +522,8 @@ impl ViewerState {
             self.overlay = Overlay::None;
         } else if self.shown_voxel().is_some() {
             self.reaching.let_go();
+        } else if self.posing.is_open {
+            self.posing.is_open = false;
         } else if self.drawer.is_some() {
             self.drawer = None;
         } else if self.planning.selected_try.is_some() {

@@ -7,7 +7,7 @@ use endcomfort_core::task::Try;
 use nalgebra::Point3;
 
 use super::{
-    Document, GraspingKey, Hover, Kept, LabKey, Layers, Outputs, PlanningKey, ReachKey, Reaching, Selection, Situation,
+    Document, GraspingKey, Hover, Kept, LabKey, Layers, Outputs, PlanningKey, PosingKey, ReachKey, Reaching, Selection, Situation,
     VoxelChoice,
 };
 use crate::render::{Bounds, Frame, Scale};
@@ -35,6 +35,8 @@ pub struct ComposeInput<'a> {
     pub grasping: GraspingKey,
     /// How plans are examined.
     pub planning: PlanningKey,
+    /// How the robot is posed by hand.
+    pub posing: PosingKey,
     /// What was tried in vain.
     pub tries: &'a [Try],
     /// The plan that others are compared with.
@@ -98,6 +100,7 @@ pub struct ViewKey {
     pub(super) posture: Posture,
     pub(super) grasping: GraspingKey,
     pub(super) planning: PlanningKey,
+    pub(super) posing: PosingKey,
     pub(super) reach: ReachKey,
     pub(super) lab: Option<LabKey>,
     pub(super) is_presented: bool,

@@ -65,6 +65,7 @@ impl Document {
         scene.task.steps = self.scene.task.steps.clone();
         scene.handover = self.scene.handover.clone();
         (scene.robot, scene.posture) = (self.scene.robot.clone(), self.scene.posture.clone());
+        scene.joints = self.scene.joints.clone();
         (scene.arm, scene.torso, scene.hand) = (self.scene.arm, self.scene.torso, self.scene.hand.clone());
         if theirs == *self {
             return Stage::Grasps;
@@ -147,6 +148,7 @@ mod tests {
         assert_eq!(edited(&|scene| scene.grasp.friction = 0.9), Stage::Grasps);
         assert_eq!(edited(&|scene| scene.task.steps.clear()), Stage::Grasps);
         assert_eq!(edited(&|scene| scene.torso = true), Stage::Grasps);
+        assert_eq!(edited(&|scene| _ = scene.joints.insert("left_arm_1".to_owned(), 0.1)), Stage::Grasps);
         let hand_to_hand = Handover { receiver: Receiver::OtherHand, giver_arm: None, choice: PlaceChoice::default() };
         assert_eq!(edited(&|scene| scene.handover = Some(hand_to_hand.clone())), Stage::Grasps);
         assert_eq!(edited(&|scene| scene.robot = "alita".to_owned()), Stage::Grasps);

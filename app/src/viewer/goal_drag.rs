@@ -51,7 +51,7 @@ impl ViewerState {
             }
             _ => false,
         };
-        let is_free = !self.playback.playing && !self.reaching.is_open && self.shown_try().is_none();
+        let is_free = !self.playback.playing && !self.reaching.is_open && !self.posing.is_open && self.shown_try().is_none();
         is_open && is_free && self.presentation.is_none()
     }
 
@@ -120,6 +120,7 @@ impl ViewerState {
     pub(super) fn cancel_goal_drag(&mut self) -> Vec<Effect> {
         let Some(before) = std::mem::take(&mut self.planning.drag).before else { return Vec::new() };
         let _undone = self.history.forget();
+        self.posing.recall_all();
         self.set_document(before);
         self.run()
     }

@@ -100,12 +100,17 @@ impl Shot<'_> {
         [f64::from(self.rect.width()), f64::from(self.rect.height())]
     }
 
-    fn project(&self, p_W: &Point3<f64>) -> Option<Pos2> {
+    pub(super) fn project(&self, p_W: &Point3<f64>) -> Option<Pos2> {
         let at = self.camera.project(p_W, self.size())?;
         Some(self.rect.min + vec2(at.x as f32, at.y as f32))
     }
 
-    fn ray(&self, at: Pos2) -> Ray {
+    /// Metres at a place that are one point on the screen.
+    pub(super) fn m_per_point(&self, p_W: &Point3<f64>) -> f64 {
+        self.camera.m_per_px(p_W, self.size())
+    }
+
+    pub(super) fn ray(&self, at: Pos2) -> Ray {
         let at = at - self.rect.min;
         self.camera.ray(Point2::new(f64::from(at.x), f64::from(at.y)), self.size())
     }
@@ -114,7 +119,7 @@ impl Shot<'_> {
 impl Placed {
     fn new(shot: Shot<'_>, subject: Subject, X_WO: &Isometry3<f64>) -> Option<Self> {
         let p_WO = Point3::from(X_WO.translation.vector);
-        let m_per_point = shot.camera.m_per_px(&p_WO, shot.size());
+        let m_per_point = shot.m_per_point(&p_WO);
         let on_ring = |angle: f64| {
             let (sin, cos) = angle.sin_cos();
             shot.project(&(p_WO + RING * m_per_point * Vector3::new(cos, sin, 0.0)))
@@ -148,7 +153,7 @@ impl Placed {
 }
 
 /// Distance of a point from a segment.
-fn distance(at: Pos2, from: Pos2, to: Pos2) -> f32 {
+pub(super) fn distance(at: Pos2, from: Pos2, to: Pos2) -> f32 {
     let along = to - from;
     let t = ((at - from).dot(along) / along.length_sq().max(1e-9)).max(0.0).min(1.0);
     (at - (from + t * along)).length()
@@ -304,7 +309,7 @@ fn drag(subject: Subject, to: Isometry3<f64>, state: &ViewerState) -> Option<Com
 }
 
 /// Whether two poses are told apart: a tenth of a millimetre, or of a milliradian.
-fn differs(a: &Isometry3<f64>, b: &Isometry3<f64>) -> bool {
+pub(super) fn differs(a: &Isometry3<f64>, b: &Isometry3<f64>) -> bool {
     (a.translation.vector - b.translation.vector).norm() > 1e-4 || a.rotation.angle_to(&b.rotation) > 1e-4
 }
 
@@ -318,7 +323,7 @@ fn said(handle: Handle, X_WO: &Isometry3<f64>) -> String {
     }
 }
 
-fn arrow_head(ui: &Ui, [from, to]: [Pos2; 2], color: Color32) {
+pub(super) fn arrow_head(ui: &Ui, [from, to]: [Pos2; 2], color: Color32) {
     let along = to - from;
     if along.length() < 1.0 {
         return;
@@ -328,7 +333,7 @@ fn arrow_head(ui: &Ui, [from, to]: [Pos2; 2], color: Color32) {
     ui.painter().add(egui::Shape::convex_polygon(corners, color, Stroke::NONE));
 }
 
-fn tell(ui: &Ui, at: Pos2, text: &str) {
+pub(super) fn tell(ui: &Ui, at: Pos2, text: &str) {
     let tokens = Tokens::of(ui);
     let galley = ui.painter().layout_no_wrap(text.to_owned(), font(SECONDARY), tokens.text);
     let back = Align2::CENTER_BOTTOM.anchor_size(at, galley.size() + vec2(14.0, 6.0));

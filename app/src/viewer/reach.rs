@@ -258,7 +258,7 @@ impl ViewerState {
         let scene = &self.document.scene;
         let robot = assets::library().robot_of(scene).ok()?;
         let link = robot.links.iter().position(|link| link.name == *base)?;
-        let q = robot.posture(&scene.posture).map_or_else(|| vec![0.0; robot.dof_count()], <[f64]>::to_vec);
+        let q = scene.q_start(&robot).unwrap_or_else(|_| vec![0.0; robot.dof_count()]);
         robot.link_poses(&q).get(link).copied()
     }
 
@@ -342,12 +342,16 @@ impl ViewerState {
             | Command::PlanWithGrasp(_) => {
                 self.reaching.is_open = false;
                 self.reaching.let_go();
+                self.posing.is_open = false;
             }
             Command::ShowIk(Some(_))
             | Command::SetPlaying(true)
             | Command::Seek(_)
             | Command::Nudge(_)
-            | Command::StepSample { .. } => self.reaching.let_go(),
+            | Command::StepSample { .. } => {
+                self.reaching.let_go();
+                self.posing.is_open = false;
+            }
             _ => {}
         }
     }
@@ -399,6 +403,7 @@ impl ViewerState {
 
     fn open_page(&mut self) {
         self.reaching.is_open = true;
+        self.posing.is_open = false;
         self.lab.is_open = false;
         self.playback.playing = false;
         self.selection.ik = None;

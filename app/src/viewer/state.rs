@@ -7,7 +7,7 @@ use endcomfort_core::job::{Refusal, Stage};
 
 use super::document::History;
 use super::{
-    ComposeInput, Demo, Document, Grasping, Lab, Layers, Offer, Outputs, Planning, Playback, Posture, Reaching,
+    ComposeInput, Demo, Document, Grasping, Lab, Layers, Offer, Outputs, Planning, Playback, Posing, Posture, Reaching,
     RobotChoice, SharedView, TableView, Thing, ViewKey, Viewing,
 };
 
@@ -41,6 +41,8 @@ pub struct ViewerState {
     pub lab: Lab,
     /// Reachability maps and how they are shown.
     pub reaching: Reaching,
+    /// How the robot is posed by hand.
+    pub posing: Posing,
     /// The thing of the scene that is selected.
     pub placing: Option<Thing>,
     /// How the view is looked at.
@@ -256,6 +258,7 @@ impl ViewerState {
             planning: Planning::default(),
             lab: Lab::default(),
             reaching: Reaching::default(),
+            posing: Posing::default(),
             placing: None,
             viewing: Viewing::default(),
             overlay: Overlay::None,
@@ -349,7 +352,7 @@ impl ViewerState {
     /// How the robot stands in the picture.
     pub fn posture(&self) -> Posture {
         match (self.selection.ik, self.selection.grasp, &self.outputs.plan) {
-            _ if self.lab_key().is_some() => Posture::Start,
+            _ if self.lab_key().is_some() || self.posing.is_open => Posture::Start,
             _ if self.shown_try().is_some_and(|index| !self.tries()[index].q.is_empty()) => {
                 Posture::Try { index: self.shown_try().unwrap_or(0) }
             }
@@ -374,6 +377,7 @@ impl ViewerState {
             posture: self.posture(),
             grasping: self.grasping_key(),
             planning: self.planning_key(),
+            posing: self.posing_key(),
             tries: self.tries(),
             kept: self.planning.kept.as_ref(),
             reaching: &self.reaching,
@@ -395,6 +399,7 @@ impl ViewerState {
             posture: self.posture(),
             grasping: self.grasping_key(),
             planning: self.planning_key(),
+            posing: self.posing_key(),
             reach: self.reaching.key(),
             lab: self.lab_key(),
             is_presented: self.presentation.is_some(),

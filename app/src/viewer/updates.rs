@@ -8,6 +8,12 @@ use super::{Effect, Overlay, ViewerState};
 impl ViewerState {
     /// Takes an update; one that belongs to another revision is dropped.
     pub fn receive(&mut self, update: Update) -> Vec<Effect> {
+        let effects = self.take(update);
+        self.look_around();
+        effects
+    }
+
+    fn take(&mut self, update: Update) -> Vec<Effect> {
         let update = match self.receive_in_lab(update) {
             Ok(effects) => return effects,
             Err(update) => update,

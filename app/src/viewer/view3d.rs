@@ -9,12 +9,13 @@ use endcomfort_core::job::Stage;
 use nalgebra::{Matrix3, Point2, Point3};
 
 use super::goal_gizmo::{GoalGizmo, Shot};
+use super::hand_gizmo::HandGizmo;
 use super::layout::Layout;
 use super::region_drag::RegionDrag;
 use super::state::Step;
 use super::theme::{SECONDARY, Tokens, font};
 use super::{
-    Command, GraspCommand, HandoverCommand, Pick, Picture, PlaceCommand, ReachCommand, Studio, Thing, Tone, Turning,
+    Command, GraspCommand, HandoverCommand, Pick, Picture, PlaceCommand, PoseCommand, ReachCommand, Studio, Thing, Tone, Turning,
     ViewCommand, ViewEffect, ViewKey, ViewerState, flying, legends,
 };
 use crate::render::{Bounds, BoundsCache, Camera, Picker, Quality, Renderer, Target, Theme, View};
@@ -71,6 +72,8 @@ pub(super) struct View3d {
     region: RegionDrag,
     /// The drag that moves a goal.
     gizmo: GoalGizmo,
+    /// The drag that leads a hand.
+    hands: HandGizmo,
     /// The next frame is taken from the side of this place.
     wants_side: Option<Point3<f64>>,
     /// Where the camera is put with the next picture, instead of framing anything.
@@ -143,6 +146,7 @@ impl View3d {
             before_lab: None,
             region: RegionDrag::default(),
             gizmo: GoalGizmo::default(),
+            hands: HandGizmo::default(),
             wants_side: None,
             placed: None,
         }
@@ -206,6 +210,7 @@ impl View3d {
         }
         let shot = Shot { rect, camera: &self.camera };
         let mut commands = self.gizmo.follow(ui, &response, shot, state);
+        commands.extend(self.hands.follow(ui, &response, shot, state));
         self.handle(ui, &response, rect, state, &mut commands);
         if flying::fly(ui, &mut self.camera) {
             self.travel = None;
@@ -234,6 +239,7 @@ impl View3d {
         ui.painter().image(self.texture, rect, whole, Color32::WHITE);
         self.labels(ui, rect);
         self.gizmo.paint(ui, Shot { rect, camera: &self.camera }, state);
+        self.hands.paint(ui, Shot { rect, camera: &self.camera }, state);
         if state.grasping.draws_region {
             self.region.hint(ui, &layout);
             commands.extend(self.region.follow(ui, &response, rect, &self.camera, state));
@@ -358,7 +364,7 @@ impl View3d {
             // The drag draws a frame; the other button still moves the camera.
             return;
         }
-        let is_taken = self.gizmo.is_busy();
+        let is_taken = self.gizmo.is_busy() || self.hands.is_busy();
         if response.drag_started()
             && !is_taken
             && let Some(pointer) = response.interact_pointer_pos()
@@ -448,6 +454,9 @@ impl View3d {
                 }
                 Pick::Voxel { arm, voxel } => {
                     commands.push(Command::Reach(ReachCommand::Select { arm: arm as usize, voxel }));
+                }
+                Pick::Robot if state.selection.step == Step::Stage(Stage::Scene) => {
+                    commands.push(Command::Pose(PoseCommand::Open));
                 }
                 Pick::Robot | Pick::Nothing => {}
             }

@@ -61,8 +61,7 @@ fn step(agent: &Agent, goal: &AgentGoal) -> Step {
 /// The arm in whose map the place of the object is the better one; the scene's if they are equal.
 fn better_arm(scene: &Scene, library: &Library) -> Result<ArmChoice, Refusal> {
     let robot = library.robot(&scene.robot).map_err(|error| refusal(&error))?;
-    let q = robot.posture(&scene.posture).unwrap_or_default();
-    let X_WL = if q.is_empty() { Vec::new() } else { robot.link_poses(q) };
+    let X_WL = scene.q_start(&robot).map(|q| robot.link_poses(&q)).unwrap_or_default();
     let p_W = scene.objects[scene.task.object].X_WO.translation.vector.into();
     let share = |arm: ArmChoice| -> Result<f64, Refusal> {
         let Some(found) = robot.arm(arm.name()) else { return Ok(0.0) };

@@ -14,9 +14,11 @@ mod rank;
 mod regrasp;
 mod run;
 mod situate;
+mod surroundings;
 
 pub use perceive::synthetic_cloud;
 pub use run::Pipeline;
+pub use surroundings::{Meeting, Seen, Surroundings};
 
 pub(crate) use handover::{HandoverInput, acting};
 pub(crate) use legs::TaskInput;

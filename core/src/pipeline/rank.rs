@@ -42,12 +42,7 @@ pub(crate) fn workcell(
         .iter()
         .position(|arm| arm.name == arm_name)
         .ok_or_else(|| refusal(&WorkcellError::NoArm { robot: robot.name.clone(), arm: arm_name.into() }))?;
-    let q_start = robot
-        .posture(&scene.posture)
-        .ok_or_else(|| {
-            refusal(&WorkcellError::NoPosture { robot: robot.name.clone(), posture: scene.posture.clone() })
-        })?
-        .to_vec();
+    let q_start = scene.q_start(&robot).map_err(|error| refusal(&WorkcellError::from(error)))?;
     let robot = if scene.torso { Arc::new(robot.with_torso(arm_index)) } else { robot };
     let arm = &robot.arms[arm_index];
     let build = || -> Result<_, WorkcellError> {
@@ -91,26 +86,26 @@ pub(super) fn no_fit() -> Refusal {
     Refusal::new("the object to grasp has no fit")
 }
 
-fn refusal(error: &dyn std::error::Error) -> Refusal {
+pub(super) fn refusal(error: &dyn std::error::Error) -> Refusal {
     Refusal::new(error.to_string())
 }
 
 /// The bodies of a fit in its object frame O: the axes of its main superquadric.
-fn bodies_in_object(fit: &Fit) -> Vec<Superquadric> {
+pub(super) fn bodies_in_object(fit: &Fit) -> Vec<Superquadric> {
     let X_OW = fit.superquadric.X_FS.inverse();
     let main = Superquadric { X_FS: Isometry3::identity(), ..fit.superquadric };
     std::iter::once(main).chain(fit.others.iter().map(|part| part.superquadric.transformed(&X_OW))).collect()
 }
 
 /// Corners of the convex pieces of a body, in the frame that it stands in.
-fn pieces(body: &Superquadric) -> Vec<Vec<Point3<f64>>> {
+pub(super) fn pieces(body: &Superquadric) -> Vec<Vec<Point3<f64>>> {
     let mut pieces = body.convex_pieces_in_axes(HULL_HALF);
     pieces.iter_mut().flatten().for_each(|p| *p = body.X_FS * *p);
     pieces
 }
 
 /// Table, known boxes and the other clusters, by their fits or, without one, by their points.
-fn obstacles(
+pub(super) fn obstacles(
     scene: &Scene,
     fits: &FitOutput,
     clusters: &[Vec<Point3<f64>>],

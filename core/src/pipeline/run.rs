@@ -173,6 +173,7 @@ impl Pipeline {
             scene.torso,
             &scene.hand,
             &scene.posture,
+            &scene.joints,
             &scene.task,
             &scene.grasp,
         )));

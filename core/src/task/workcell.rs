@@ -11,7 +11,7 @@ use crate::collision::{
 use crate::grasp::{Grasp, HandModel};
 use crate::plan::{WalkHit, walk};
 use crate::robot::ik::ArmIk;
-use crate::robot::{Arm, ChainError, Robot};
+use crate::robot::{Arm, ChainError, Robot, StartError};
 use crate::scene::Action;
 
 /// What reasons call the object that is grasped.
@@ -90,9 +90,9 @@ pub enum WorkcellError {
     /// The robot has no such arm.
     #[error("{robot} has no {arm} arm")]
     NoArm { robot: String, arm: String },
-    /// The robot has no such posture.
-    #[error("{robot} has no posture {posture:?}")]
-    NoPosture { robot: String, posture: String },
+    /// The robot cannot start as the scene says.
+    #[error(transparent)]
+    Start(#[from] StartError),
     /// The arm's joints are no chain to its hand.
     #[error(transparent)]
     Chain(#[from] ChainError),

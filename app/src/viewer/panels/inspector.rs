@@ -3,7 +3,7 @@
 use egui::Ui;
 use endcomfort_core::job::Stage;
 
-use super::{Out, fit, grasps, plan, play, reach, scene, segment};
+use super::{Out, fit, grasps, plan, play, posing, reach, scene, segment};
 use crate::viewer::ViewerState;
 use crate::viewer::state::{StageState, Step};
 use crate::viewer::theme::{SECONDARY, Tokens};
@@ -16,6 +16,9 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     ui.spacing_mut().item_spacing.y = 2.0;
     if state.reaching.is_open {
         return scrolled(ui, ("Inspector", "Reachability"), |ui| reach::draw(ui, state, out));
+    }
+    if state.posing.is_open {
+        return scrolled(ui, ("Inspector", "Pose"), |ui| posing::draw(ui, state, out));
     }
     match state.selection.step {
         // The two with a table share out the height themselves.

@@ -11,6 +11,7 @@ mod layer_list;
 mod palette;
 mod plan;
 mod play;
+mod posing;
 mod presentation;
 mod reach;
 mod scene;

@@ -12,7 +12,7 @@ use crate::viewer::layout::Layout;
 use crate::viewer::state::Step;
 use crate::viewer::theme::{SECONDARY, Tokens};
 use crate::viewer::widgets::{key_value, paragraph, secondary_button, section, segmented};
-use crate::viewer::{Command, PlanCommand, PlanPage, ReachCommand, ViewerState, format};
+use crate::viewer::{Command, PlanCommand, PlanPage, PoseCommand, ReachCommand, ViewerState, format};
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     let tokens = Tokens::of(ui);
@@ -43,7 +43,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         });
         ui.add_space(4.0);
     }
-    let _row = key_value(ui, "Robot", &format!("{}, from posture {}", state.robot_title(), scene.posture));
+    let _row = key_value(ui, "Robot", &start(state));
     if let Some(agent) = state.receiver() {
         let [x, y] = agent.position_m;
         let text = format!("{}, {}, at {x:.2}, {y:.2} m", format::title_of(&agent.model), agent.posture);
@@ -63,6 +63,9 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         if secondary_button(ui, words, true).clicked() {
             out.push(Command::SelectStep(Step::Stage(Stage::Plan)));
             out.push(Command::Planning(PlanCommand::Page(page)));
+        }
+        if secondary_button(ui, "Pose the robot", true).clicked() {
+            out.push(Command::Pose(PoseCommand::Open));
         }
         if secondary_button(ui, "What the arms reach", true).clicked() {
             out.push(Command::Reach(ReachCommand::Open));
@@ -87,6 +90,16 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
                 let _text = paragraph(ui, note, SECONDARY, tokens.secondary);
             }
         }
+    }
+}
+
+/// Which robot starts how.
+fn start(state: &ViewerState) -> String {
+    let scene = &state.document.scene;
+    let posture = scene.posture.replace('_', " ");
+    match scene.joints.is_empty() {
+        true => format!("{}, from posture {posture}", state.robot_title()),
+        false => format!("{}, posed by hand", state.robot_title()),
     }
 }
 

@@ -38,7 +38,7 @@ fn row(ui: &mut Ui, state: &ViewerState, index: usize, step: Step, out: &mut Out
     let tokens = Tokens::of(ui);
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
     let full = rect.expand2(vec2(PADDING - 1.0, 0.0));
-    let is_selected = state.selection.step == step && !state.reaching.is_open;
+    let is_selected = state.selection.step == step && !state.reaching.is_open && !state.posing.is_open;
     if is_selected {
         ui.painter().rect_filled(full, 0.0, tokens.selected);
     } else if response.hovered() {

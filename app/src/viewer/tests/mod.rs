@@ -10,6 +10,7 @@ mod lab;
 mod pictures;
 mod placing;
 mod plans;
+mod posing;
 mod reach;
 mod share;
 mod tasks;

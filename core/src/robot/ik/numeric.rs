@@ -26,6 +26,8 @@ const REASON_STARTS: usize = 8;
 const SAME: f64 = 1e-4;
 /// By how much rotation counts more than position when the reach alone is asked for.
 const TURNED_FIRST: f64 = 30.0;
+/// By how much rotation counts less than position for a hand that goes after what it cannot reach.
+const PLACE_FIRST: f64 = 0.3;
 
 /// A chain of joints that is solved step by step.
 #[derive(Clone, Debug)]
@@ -130,6 +132,14 @@ impl NumericArm {
         let mut q = near.to_vec();
         let gap = self.descend(&Goal::within_limits(X_BH), &mut q, &mut Memory::default());
         gap.is_closed().then_some(q)
+    }
+
+    /// Where the descent from `q_now` ends, near the pose or short of it: the hand's place counts more than its rotation.
+    pub(super) fn towards(&self, X_BH: &Isometry3<f64>, q_now: &[f64]) -> Vec<f64> {
+        let mut q = self.clipped(q_now);
+        let goal = Goal { turn_weight: PLACE_FIRST, ..Goal::within_limits(X_BH) };
+        let _gap = self.descend(&goal, &mut q, &mut Memory::default());
+        q
     }
 
     /// Descends from every start and hands over each solution until told to stop; the reason if there was none.
