@@ -74,9 +74,9 @@ pub fn demo(name: &str) -> Option<Scene> {
     }
 }
 
-/// The picture of a demo for its card, a PNG that `render` made (`cargo xtask figures`).
+/// The picture of a demo for its card, a JPEG that `render` made (`cargo xtask figures`).
 pub fn thumbnail(name: &str) -> Option<&'static [u8]> {
-    read(&format!("objects/scenes/{name}.png"))
+    read(&format!("objects/scenes/{name}.jpg"))
 }
 
 /// Names of all household objects, sorted.

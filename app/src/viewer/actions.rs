@@ -9,7 +9,7 @@ use endcomfort_core::scene::ArmChoice;
 
 use super::state::{Step, ThemeChoice};
 use super::{
-    Command, GraspCommand, LabCommand, Layer, Overlay, PlaceCommand, PlanCommand, PoseCommand, ReachCommand, Thing, Turning,
+    Command, GraspCommand, LabCommand, Layer, Overlay, PlaceCommand, PlanCommand, PoseCommand, ReachCommand, Thing, TourCommand, Turning,
     ViewCommand, ViewerState,
 };
 use crate::export::MotionFormat;
@@ -166,6 +166,7 @@ pub(super) fn with_keys(state: &ViewerState) -> Vec<Action> {
         )
         .key("P", Key::P),
         Action::new(Page, "All demos", toggled(Overlay::Gallery)).key("G", Key::G),
+        Action::new(Page, "The 30-second tour", Command::Tour(TourCommand::Start)).key("T", Key::T),
         Action::new(Page, "Keys and gestures", toggled(Overlay::Help)).key("?", Key::Questionmark),
         Action::new(Page, "Close what is on top", Command::Escape).key("Esc", Key::Escape),
     ]

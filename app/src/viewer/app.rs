@@ -309,6 +309,12 @@ impl eframe::App for App {
     fn logic(&mut self, ctx: &Context, _frame: &mut eframe::Frame) {
         self.take_in(ctx);
         self.keep_for_next_visit(ctx);
+        if self.state.tour_runs() {
+            let dt_s = f64::from(ctx.input(|input| input.stable_dt)).min(0.1);
+            let effects = self.state.advance_tour(dt_s);
+            self.carry_out(ctx, effects);
+            ctx.request_repaint_after_secs(0.05);
+        }
         if self.state.playback.playing {
             self.state.advance(f64::from(ctx.input(|input| input.stable_dt)).min(0.1));
             ctx.request_repaint();

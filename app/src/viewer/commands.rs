@@ -12,7 +12,7 @@ use super::goal_drag::GoalDrag;
 use super::state::{IkChoice, Presentation, Side, StageState, Step, ThemeChoice};
 use super::{
     Document, GraspCommand, HandoverCommand, LabCommand, Layer, Opened, Overlay, PlaceCommand, PlanCommand, Playback, PoseCommand,
-    ReachCommand, ViewCommand, ViewEffect, ViewerState, playback, share,
+    ReachCommand, TourCommand, ViewCommand, ViewEffect, ViewerState, playback, share,
 };
 use crate::export::MotionFormat;
 use crate::render::Camera;
@@ -102,6 +102,8 @@ pub enum Command {
     Place(PlaceCommand),
     /// Poses the robot by hand.
     Pose(PoseCommand),
+    /// Shows a newcomer around.
+    Tour(TourCommand),
     /// Moves the camera.
     View(ViewCommand),
     /// Saves a picture of the view.
@@ -297,6 +299,7 @@ impl ViewerState {
             Command::Escape => return self.escape(),
             Command::Place(command) => return self.apply_place(command),
             Command::Pose(command) => return self.apply_pose(command),
+            Command::Tour(command) => return self.apply_tour(command),
             Command::View(command) => return self.apply_view(command),
             Command::Screenshot => return vec![Effect::Screenshot],
             Command::Share => return vec![Effect::Share],
@@ -520,6 +523,8 @@ impl ViewerState {
             self.grasping.draws_region = false;
         } else if self.overlay != Overlay::None {
             self.overlay = Overlay::None;
+        } else if self.tour.is_some() {
+            return self.apply_tour(TourCommand::End);
         } else if self.shown_voxel().is_some() {
             self.reaching.let_go();
         } else if self.posing.is_open {

@@ -50,6 +50,7 @@ mod status;
 mod studio;
 mod table_view;
 mod theme;
+mod tour;
 mod updates;
 mod view3d;
 mod viewing;
@@ -84,6 +85,7 @@ pub use state::{
 pub use studio::{Demo, RobotChoice, Studio};
 pub use table_view::{Column, ColumnSet, Listed, TableView};
 pub use theme::{Tokens, install as install_theme};
+pub use tour::{Tour, TourCommand};
 pub use viewing::{KeptView, Turning, ViewCommand, ViewEffect, Viewing};
 
 #[cfg(all(test, not(target_arch = "wasm32")))]

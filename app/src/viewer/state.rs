@@ -8,7 +8,7 @@ use endcomfort_core::job::{Refusal, Stage};
 use super::document::History;
 use super::{
     ComposeInput, Demo, Document, Grasping, Lab, Layers, Offer, Outputs, Planning, Playback, Posing, Posture, Reaching,
-    RobotChoice, SharedView, TableView, Thing, ViewKey, Viewing,
+    RobotChoice, SharedView, TableView, Thing, Tour, ViewKey, Viewing,
 };
 
 /// Everything the interface knows. Panels read it; [`ViewerState::apply`] and [`ViewerState::receive`] change it.
@@ -49,6 +49,8 @@ pub struct ViewerState {
     pub viewing: Viewing,
     /// What covers the page.
     pub overlay: Overlay,
+    /// The tour for newcomers, while it runs.
+    pub tour: Option<Tour>,
     /// The presentation without panels, while it runs.
     pub presentation: Option<Presentation>,
     /// In a narrow window, the side panel that is open.
@@ -262,6 +264,7 @@ impl ViewerState {
             placing: None,
             viewing: Viewing::default(),
             overlay: Overlay::None,
+            tour: None,
             presentation: None,
             drawer: None,
             messages: Vec::new(),

@@ -165,7 +165,8 @@ pub fn install(ctx: &Context) {
 }
 
 fn fonts() -> FontDefinitions {
-    let inter = Arc::new(with_tabular_figures(ttf_inter::REGULAR));
+    // As `build/thin_font.rs` left it.
+    let inter = Arc::new(with_tabular_figures(include_bytes!(concat!(env!("OUT_DIR"), "/inter.ttf"))));
     let face = |weight: f32| {
         let coords = VariationCoords::new([(b"wght", weight)]);
         Arc::new(FontData::from_blob(inter.clone(), 0).tweak(FontTweak { coords, ..FontTweak::default() }))

@@ -9,8 +9,8 @@ use super::Out;
 use crate::viewer::handing::everybody;
 use crate::viewer::icons::Icon;
 use crate::viewer::theme::{BODY, RADIUS, SECONDARY, Tokens, font, strong};
-use crate::viewer::widgets::{focus_ring, icon_button, paragraph, secondary_button, text_in};
-use crate::viewer::{Command, Demo, Offer, Overlay, ViewerState, format};
+use crate::viewer::widgets::{focus_ring, icon_button, paragraph, primary_button, secondary_button, text_in};
+use crate::viewer::{Command, Demo, Offer, Overlay, TourCommand, ViewerState, format};
 
 const GAP: f32 = 16.0;
 /// Height of a heading with the gap below it, points.
@@ -47,10 +47,17 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
             });
         });
         ui.add_space(12.0);
-        if let Some(offer) = &state.offer {
-            restore_line(ui, offer, out);
-        }
-        let most = (window.height() - 260.0).max(180.0);
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing = vec2(12.0, 8.0);
+            if primary_button(ui, "Take the 30-second tour", true).clicked() {
+                out.push(Command::Tour(TourCommand::Start));
+            }
+            if let Some(offer) = &state.offer {
+                restore(ui, offer, out);
+            }
+        });
+        ui.add_space(12.0);
+        let most = (window.height() - 310.0).max(180.0);
         let (handovers, alone): (Vec<&Demo>, Vec<&Demo>) =
             state.demos.iter().partition(|demo| demo.scene.handover.is_some());
         let groups = [("One robot at work", alone), ("From hand to hand", handovers)];
@@ -103,17 +110,12 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
 }
 
 /// What was open at the last visit.
-fn restore_line(ui: &mut Ui, offer: &Offer, out: &mut Out) {
-    let tokens = Tokens::of(ui);
-    ui.horizontal_wrapped(|ui| {
-        ui.spacing_mut().item_spacing.x = 12.0;
-        if secondary_button(ui, "Restore what you had open", true).clicked() {
-            out.push(Command::Restore);
-        }
-        let text = format!("{}, {}", offer.title, offer.when());
-        ui.label(egui::RichText::new(text).font(font(BODY)).color(tokens.secondary));
-    });
-    ui.add_space(12.0);
+fn restore(ui: &mut Ui, offer: &Offer, out: &mut Out) {
+    if secondary_button(ui, "Restore what you had open", true).clicked() {
+        out.push(Command::Restore);
+    }
+    let text = format!("{}, {}", offer.title, offer.when());
+    ui.label(egui::RichText::new(text).font(font(BODY)).color(Tokens::of(ui).secondary));
 }
 
 fn picture_height(card_width: f32) -> f32 {

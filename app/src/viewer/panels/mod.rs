@@ -21,6 +21,7 @@ mod things;
 mod timeline;
 mod toasts;
 mod top_bar;
+mod tour;
 mod view_menu;
 
 use egui::{Ui, vec2};
@@ -80,6 +81,7 @@ pub fn draw_panels(ui: &mut Ui, state: &ViewerState) -> Vec<Command> {
         Overlay::Palette => palette::draw(ui, state, &mut out),
         Overlay::None => {}
     }
+    tour::draw(ui, state, &layout, &mut out);
     drop_zone::draw(ui);
     if state.presentation.is_none() {
         follow_pointer(ui, state, &layout, &mut out);
