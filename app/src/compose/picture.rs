@@ -72,6 +72,7 @@ impl Picture<'_> {
             selected: None,
             colored_by: Quantity::MgStart,
             filter: Some(&self.scene.grasp.filter),
+            hands: &[],
             lab: None,
             reach,
             theme,
@@ -95,8 +96,7 @@ impl Picture<'_> {
                 Output::Plan(_) | Output::Objective(_) | Output::Quality(_) | Output::Map(_) => {}
             }
         }
-        let resting = self.robot.posture(&self.scene.posture);
-        let mut q = resting.map_or_else(|| vec![0.0; self.robot.dof_count()], <[f64]>::to_vec);
+        let mut q = self.scene.q_start(self.robot).unwrap_or_else(|_| vec![0.0; self.robot.dof_count()]);
         content.X_WO = content.X_WO_start;
         if let (Some(plan), Some(time_s)) = (content.plan, time_s) {
             let state = plan.state_at(time_s);

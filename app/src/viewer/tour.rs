@@ -156,24 +156,17 @@ impl ViewerState {
     /// Brings the page to where the stop points.
     fn arrive(&mut self) -> Vec<Effect> {
         let Some(stop) = self.tour.and_then(|tour| Stop::ALL.get(tour.stop).copied()) else { return Vec::new() };
-        let mut effects = self.apply(Command::SelectStep(stop.step()));
+        // What is shown is the moment before anything moves.
+        let mut effects = self.apply(Command::SetPlaying(false));
+        effects.extend(self.apply(Command::Seek(0.0)));
+        effects.extend(self.apply(Command::SelectStep(stop.step())));
         self.drawer = match stop.target() {
             Target::Right => Some(Side::Right),
             Target::Left => Some(Side::Left),
             Target::View | Target::Timeline => None,
         };
-        if stop == Stop::Motion {
-            effects.extend(self.apply(Command::Seek(0.0)));
-        }
-        if self.outputs.plan.is_some() {
-            effects.extend(self.apply(Command::SetPlaying(stop == Stop::Motion)));
-        }
-        // What is shown is the moment before anything moves.
-        if stop != Stop::Motion {
-            effects.extend(self.apply(Command::Seek(0.0)));
-        }
-        if stop == Stop::Fit {
-            effects.extend(self.apply(Command::SelectStep(stop.step())));
+        if stop == Stop::Motion && self.outputs.plan.is_some() {
+            effects.extend(self.apply(Command::SetPlaying(true)));
         }
         effects.push(Effect::Announce(format!("{}. {}", stop.title(), stop.words(self))));
         effects

@@ -14,6 +14,7 @@ mod posing;
 mod reach;
 mod share;
 mod tasks;
+mod tour;
 mod view;
 
 use egui_kittest::Harness;
