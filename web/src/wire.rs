@@ -64,6 +64,7 @@ mod tests {
             robot: "alita".into(),
             arm: ArmChoice::Left,
             posture: "ready".into(),
+            joints: Default::default(),
             table: TableTop { center_m: [0.6, 0.0], size_m: [0.8, 1.2], height_m: 0.74, thickness_m: 0.04 },
             objects: vec![PlacedObject { object: "mustard_bottle".into(), X_WO: pose(0.6) }],
             obstacles: vec![Obstacle { name: "box".into(), size_m: Vector3::new(0.2, 0.2, 0.1), X_WB: pose(0.4) }],

@@ -213,16 +213,16 @@ impl ViewerState {
             PoseCommand::Arm(arm) => self.posing.arm = arm,
             PoseCommand::AlongHand(along_hand) => self.posing.along_hand = along_hand,
             PoseCommand::Step(step) => self.posing.step = step.min(STEPS.len() - 1),
-            PoseCommand::Lead(arm, X_WH) => return self.lead(arm, &X_WH, Self::drag),
+            PoseCommand::Lead(arm, X_WH) => return self.lead(arm, &X_WH, true),
             PoseCommand::EndDrag => return self.end_goal_drag(),
             PoseCommand::Jog(jog) => return self.jog(jog),
             PoseCommand::DragJoint(dof, value) => {
                 self.forget_target_of(dof);
-                return self.set_joints(&[(dof, value)], Self::drag);
+                return self.set_joints(&[(dof, value)], true);
             }
             PoseCommand::SetJoint(dof, value) => {
                 self.forget_target_of(dof);
-                return self.set_joints(&[(dof, value)], Self::put_joints);
+                return self.set_joints(&[(dof, value)], false);
             }
             PoseCommand::DragFingers(share) => return self.move_fingers(share),
             PoseCommand::Posture(name) => {
@@ -252,12 +252,9 @@ impl ViewerState {
     }
 
     /// Leads the hand of an arm to a pose; the arm goes there or as near as it gets.
-    fn lead(
-        &mut self,
-        arm: usize,
-        X_WH: &Isometry3<f64>,
-        change: impl FnOnce(&mut Self, &dyn Fn(&mut Scene)) -> Vec<Effect>,
-    ) -> Vec<Effect> {
+    ///
+    /// * `is_held`: while it is dragged, so that all of the drag is one step of undo.
+    fn lead(&mut self, arm: usize, X_WH: &Isometry3<f64>, is_held: bool) -> Vec<Effect> {
         let Some((robot, own)) = self.posed_robot() else { return Vec::new() };
         let (Some(q), true) = (self.q_posed(&robot), arm < own && X_WH.translation.vector.amax() <= FARTHEST_M) else {
             return Vec::new();
@@ -271,28 +268,21 @@ impl ViewerState {
         self.posing.targets.resize(own, None);
         self.posing.targets[arm] = followed.short.map(|reason| HandTarget { X_WH: *X_WH, reason });
         let joints: Vec<(usize, f64)> = found.dofs.iter().copied().zip(followed.q).collect();
-        self.set_joints(&joints, change)
+        self.set_joints(&joints, is_held)
     }
 
     /// Puts degrees of freedom somewhere within their limits.
-    fn set_joints(
-        &mut self,
-        joints: &[(usize, f64)],
-        change: impl FnOnce(&mut Self, &dyn Fn(&mut Scene)) -> Vec<Effect>,
-    ) -> Vec<Effect> {
+    fn set_joints(&mut self, joints: &[(usize, f64)], is_held: bool) -> Vec<Effect> {
         let Some((robot, _)) = self.posed_robot() else { return Vec::new() };
-        let named: Vec<(String, f64)> = joints
-            .iter()
-            .filter_map(|&(dof, value)| {
-                let joint = &robot.joints[*robot.dof_joints.get(dof)?];
-                Some((joint.name.clone(), value.max(joint.limit.lower).min(joint.limit.upper)))
-            })
-            .collect();
-        change(self, &|scene| scene.joints.extend(named.iter().cloned()))
-    }
-
-    fn put_joints(&mut self, change: &dyn Fn(&mut Scene)) -> Vec<Effect> {
-        self.edit_task(change)
+        let named = joints.iter().filter_map(|&(dof, value)| {
+            let joint = &robot.joints[*robot.dof_joints.get(dof)?];
+            Some((joint.name.clone(), value.max(joint.limit.lower).min(joint.limit.upper)))
+        });
+        if is_held {
+            self.drag(|scene| scene.joints.extend(named))
+        } else {
+            self.edit_task(|scene| scene.joints.extend(named))
+        }
     }
 
     fn jog(&mut self, jog: Jog) -> Vec<Effect> {
@@ -309,7 +299,7 @@ impl ViewerState {
         } else {
             Translation3::from(axis * step_m) * X_WH
         };
-        self.lead(arm, &to, Self::put_joints)
+        self.lead(arm, &to, false)
     }
 
     fn move_fingers(&mut self, share: f64) -> Vec<Effect> {
@@ -319,7 +309,7 @@ impl ViewerState {
         let share = share.max(0.0).min(1.0);
         let dofs = hand.fingers.iter().flatten().zip(hand.open.iter().zip(&hand.closed));
         let joints: Vec<_> = dofs.map(|(&dof, (open, closed))| (dof, closed + share * (open - closed))).collect();
-        self.set_joints(&joints, Self::drag)
+        self.set_joints(&joints, true)
     }
 
     /// The share to which a hand is open: 1 as its open posture, 0 as its closed one.

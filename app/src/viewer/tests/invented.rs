@@ -35,6 +35,7 @@ pub(super) fn scene(name: &str, title: &str, summary: &str, robot: &str) -> Arc<
         robot: robot.to_owned(),
         arm: ArmChoice::Right,
         posture: "home".to_owned(),
+        joints: std::collections::BTreeMap::new(),
         table: TableTop { center_m: [0.75, 0.0], size_m: [0.8, 1.4], height_m: 0.74, thickness_m: 0.04 },
         objects: vec![placed("tall_glass", 0.6, -0.2), placed("soup_can", 0.7, 0.2), placed("cracker_box", 0.8, 0.0)],
         obstacles: vec![Obstacle {

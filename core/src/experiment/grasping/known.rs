@@ -1,5 +1,7 @@
 //! Objects whose shape the robot knows, and the scene that they stand in.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use super::GraspExperimentSettings;
@@ -110,6 +112,7 @@ pub(super) fn scene(robot: &str, arm: ArmChoice, object: &KnownObject, X_WO: Iso
         robot: robot.to_owned(),
         arm,
         posture: POSTURE.to_owned(),
+        joints: BTreeMap::new(),
         table: TABLE,
         objects: vec![PlacedObject { object: object.name.clone(), X_WO }],
         obstacles: Vec::new(),
