@@ -1,5 +1,6 @@
 //! From the pipeline's results to a draw list: which bodies, points and lines show what the robot knows and does.
 
+mod cloud;
 mod grasps;
 mod handover;
 mod lab;
@@ -21,10 +22,11 @@ use endcomfort_core::robot::{Geometry, Link, Robot};
 use endcomfort_core::scene::Scene;
 use endcomfort_core::superquadric::Superquadric;
 use endcomfort_core::task::{Plan, TARGET};
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Isometry3, Vector3};
 
-use crate::render::{Frame, MeshDraw, PointsDraw, Surface, Theme, shapes};
-use crate::viewer::{Layer, Layers, LedHand, Pick};
+use crate::render::{Frame, MeshDraw, Surface, Theme, shapes};
+use crate::viewer::{CloudLook, Layer, Layers, LedHand, Pick};
+pub use cloud::cloud_scale;
 pub use grasps::quantity_scale;
 pub use lab::LabContent;
 pub use motion::MotionContent;
@@ -49,6 +51,8 @@ pub struct Content<'a> {
     /// All joint positions.
     pub q: &'a [f64],
     pub cloud: Option<&'a SceneOutput>,
+    /// How the points are drawn.
+    pub cloud_look: CloudLook,
     pub segment: Option<&'a SegmentOutput>,
     pub fits: Option<&'a FitOutput>,
     /// Ranked grasps, or candidates before they are ranked.
@@ -89,21 +93,11 @@ pub struct Composer {
     boxes: Vec<(Vector3<f64>, Arc<Mesh>)>,
     fits: Vec<(Superquadric, Arc<Mesh>)>,
     links: Option<(Arc<Robot>, LinkMeshes)>,
-    cloud: Option<CloudCache>,
+    cloud: Option<cloud::CloudCache>,
     glyphs: Option<grasps::Glyphs>,
     motion: Option<motion::Motion>,
     marks: Option<handover::Marks>,
     reach: reach::Drawn,
-}
-
-/// Address and number of the points, whether they are segmented, the cluster that is not seen, whether the others are
-/// only its surroundings, and the theme.
-type CloudKey = (usize, usize, bool, Option<usize>, bool, Theme);
-
-struct CloudCache {
-    key: CloudKey,
-    points: Arc<Vec<Point3<f64>>>,
-    colors: Arc<Vec<[f32; 4]>>,
 }
 
 impl Composer {
@@ -221,35 +215,6 @@ impl Composer {
                     pick_id: Pick::Robot.id(),
                 });
             }
-        }
-    }
-
-    fn add_cloud(&mut self, frame: &mut Frame, cloud: &SceneOutput, input: &Content<'_>, palette: &Palette) {
-        let points = &cloud.cloud.points;
-        let moved = match (input.X_WO, input.X_WO_start) {
-            (Some(now), Some(start)) => (now.translation.vector - start.translation.vector).norm() > MOVED_M,
-            _ => false,
-        };
-        // A moved object has left its points behind; an examined fit draws them itself.
-        let target = input.segment.map(|s| s.target);
-        let hidden = input.lab.as_ref().map(|lab| lab.cluster).or(target.filter(|_| moved));
-        let key =
-            (points.as_ptr() as usize, points.len(), input.segment.is_some(), hidden, input.lab.is_some(), input.theme);
-        if self.cloud.as_ref().is_none_or(|cache| cache.key != key) {
-            let fates = input.segment.map(|s| s.fates.as_slice()).filter(|fates| fates.len() == points.len());
-            let colors = (0..points.len())
-                .map(|i| {
-                    fates.map_or(palette.cloud, |fates| palette.fate(fates[i], target, hidden, input.lab.is_some()))
-                })
-                .collect();
-            self.cloud = Some(CloudCache { key, points: Arc::new(points.clone()), colors: Arc::new(colors) });
-        }
-        if let Some(cache) = &self.cloud {
-            frame.points.push(PointsDraw {
-                points: cache.points.clone(),
-                colors: cache.colors.clone(),
-                diameter_m: 0.0022,
-            });
         }
     }
 

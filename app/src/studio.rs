@@ -11,7 +11,7 @@ use endcomfort_core::task::{PhaseKind, TARGET, Try};
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::assets;
-use crate::compose::{Composer, Content, LabContent, MotionContent, Palette, ReachContent, quantity_scale};
+use crate::compose::{Composer, Content, LabContent, MotionContent, Palette, ReachContent, cloud_scale, quantity_scale};
 use crate::export::{MotionFormat, export_grasps, export_motion};
 use crate::render::{Bounds, ColorMap, Frame, Scale, Theme};
 use crate::viewer::{
@@ -89,6 +89,7 @@ impl Studio for BuiltInStudio {
             arm: outputs.arm_name(input.scene),
             q: &state.q,
             cloud: outputs.scene.as_deref(),
+            cloud_look: input.cloud_look,
             segment: outputs.segment.as_deref(),
             fits: outputs.fit.as_deref(),
             grasps: if under_way { &[] } else { grasps },
@@ -128,6 +129,7 @@ impl Studio for BuiltInStudio {
             let scale = Scale { min: per_si * scale.min, max: per_si * scale.max, ..scale };
             ScaleBar { title: content.colored_by.title().to_owned(), unit, scale }
         });
+        let scale = cloud_bar(&content).or(scale);
         let object_W = object_W(&content);
         let bounds = workspace(input);
         let outline = outline(input, &robot, &bounds);
@@ -180,6 +182,13 @@ impl BuiltInStudio {
         let scale = (count > 0).then_some(bar);
         Picture { frame, labels, scale, legend, bounds, outline, object_W: object_W(content) }
     }
+}
+
+/// What the colours of the points mean, where they are amounts.
+fn cloud_bar(content: &Content<'_>) -> Option<ScaleBar> {
+    let cloud = content.cloud.filter(|_| content.layers.opacity(Layer::Cloud) > 0.0)?;
+    let by = content.cloud_look.by;
+    Some(ScaleBar { title: by.title().to_owned(), unit: "m", scale: cloud_scale(cloud, by)? })
 }
 
 /// Where the object is that the task is about.

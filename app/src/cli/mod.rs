@@ -8,6 +8,7 @@ mod grasp_options;
 mod grasps;
 mod ik;
 mod input;
+mod look_options;
 mod motion_options;
 mod pictures;
 mod plan;

@@ -48,7 +48,7 @@ enum Color {
 }
 
 /// An axis by its number, and the plane across it.
-fn slice(text: &str) -> Result<(usize, Slice), String> {
+pub(super) fn slice(text: &str) -> Result<(usize, Slice), String> {
     let wanted = || format!("found {text:?}, wanted an axis, one of = < >, and metres, as in z=1.1 or x<0.3");
     let at = text.find(['=', '<', '>']).ok_or_else(wanted)?;
     let (axis, rest) = text.split_at(at);

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use endcomfort_core::job::Output;
 
-use super::{Common, Failure, input, reach_options, start_options};
+use super::{Common, Failure, input, look_options, reach_options, start_options};
 use crate::figures::{Picture, PictureSettings};
 use crate::render::Theme;
 use crate::{assets, jobs};
@@ -37,6 +37,8 @@ pub(super) struct Args {
     robot: Option<String>,
     #[command(flatten)]
     start: start_options::Options,
+    #[command(flatten)]
+    look: look_options::Options,
     #[command(flatten)]
     reach: reach_options::Options,
 }
@@ -76,9 +78,10 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
             ThemeName::Dark => Theme::Dark,
             ThemeName::Light => Theme::Light,
         },
+        cut: args.look.cut(),
         reach: args.reach.picture(&request.scene)?,
     };
-    let image = Picture { scene: &request.scene, robot: &robot, outputs: &outputs }
+    let image = Picture { scene: &request.scene, robot: &robot, outputs: &outputs, cloud_look: args.look.cloud_look() }
         .draw(&settings)
         .map_err(|error| Failure::new(error.to_string()))?;
     image.save(&args.out).map_err(|error| Failure::new(format!("{}: {error}", args.out.display())))?;

@@ -11,13 +11,15 @@ use endcomfort_core::task::Plan;
 use super::{Composer, Content, MotionContent, ReachContent};
 use crate::export::Moment;
 use crate::render::{Frame, Theme};
-use crate::viewer::{Layer, Layers};
+use crate::viewer::{CloudLook, Layer, Layers};
 
 /// What a picture shows: a scene and whatever the pipeline found.
 pub struct Picture<'a> {
     pub scene: &'a Scene,
     pub robot: &'a Arc<Robot>,
     pub outputs: &'a [Output],
+    /// How points are drawn.
+    pub cloud_look: CloudLook,
 }
 
 impl Picture<'_> {
@@ -58,6 +60,7 @@ impl Picture<'_> {
             arm: self.scene.arm.name(),
             q: &[],
             cloud: None,
+            cloud_look: self.cloud_look,
             segment: None,
             fits: None,
             grasps: &[],

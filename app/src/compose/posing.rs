@@ -7,7 +7,7 @@ use crate::render::{Frame, LineDraw, MeshDraw, Surface};
 use crate::viewer::LedHand;
 
 /// Opacity of the ghost of a hand.
-const GHOST: f32 = 0.35;
+const GHOST: f32 = 0.5;
 
 impl Composer {
     /// Tethers and ghosts of the hands that are not where they were led to.

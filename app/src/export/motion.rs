@@ -10,6 +10,7 @@ use super::glb;
 use crate::assets;
 use crate::compose::Picture;
 use crate::render::Theme;
+use crate::viewer::CloudLook;
 
 /// Time between the poses of an animation, seconds.
 const ANIMATION_STEP_S: f64 = 1.0 / 30.0;
@@ -65,7 +66,7 @@ pub fn export_motion(scene: &Scene, outputs: &[Output], format: MotionFormat) ->
     match format {
         MotionFormat::Trajectory(format) => Ok(trajectory_text(plan, &robot, format).into_bytes()),
         MotionFormat::Glb => {
-            let picture = Picture { scene, robot: &Arc::clone(&robot), outputs };
+            let picture = Picture { scene, robot: &Arc::clone(&robot), outputs, cloud_look: CloudLook::default() };
             glb(&picture.moments(ANIMATION_STEP_S, Theme::Light))
         }
     }

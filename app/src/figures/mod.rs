@@ -7,7 +7,7 @@ use image::RgbaImage;
 use nalgebra::Point3;
 
 use crate::compose::{Composer, ReachContent};
-use crate::render::{Camera, Offscreen, OffscreenError, Theme, View};
+use crate::render::{Camera, Cut, Offscreen, OffscreenError, Theme, View};
 use crate::viewer::{Layer, Layers, ReachView};
 
 pub use crate::compose::Picture;
@@ -25,6 +25,8 @@ pub struct PictureSettings {
     pub transparent: bool,
     /// Colours.
     pub theme: Theme,
+    /// What is taken away.
+    pub cut: Option<Cut>,
     /// Reachability maps to be drawn; the usual view frames them.
     pub reach: Option<ReachPicture>,
 }
@@ -61,7 +63,8 @@ impl Picture<'_> {
         } else if let (_, Some(bounds)) = composer.reach_drawn() {
             camera.frame(&bounds, settings.size_px.map(f64::from));
         }
-        let view = View { transparent: settings.transparent, ..View::new(camera, settings.theme, settings.size_px) };
+        let (transparent, cut) = (settings.transparent, settings.cut);
+        let view = View { transparent, cut, ..View::new(camera, settings.theme, settings.size_px) };
         Offscreen::new()?.render(&frame, &view)
     }
 }

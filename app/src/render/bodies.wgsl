@@ -14,6 +14,9 @@ fn body_color(in: Fragment, front: bool) -> vec3<f32> {
 
 @fragment
 fn fs_body(in: Fragment, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+    if side_of_cut(in.world) < 0.0 {
+        discard;
+    }
     var color = in.color.rgb;
     if in.surface.z > 0.5 {
         color = clamp(body_color(in, front), vec3<f32>(0.0), vec3<f32>(1.0));
@@ -26,6 +29,9 @@ fn fs_body(in: Fragment, @builtin(front_facing) front: bool) -> @location(0) vec
 // Something that is not there: clear where one looks straight at it, dense at its rim.
 @fragment
 fn fs_ghost(in: Fragment, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+    if side_of_cut(in.world) < 0.0 {
+        discard;
+    }
     let n = facing(in.normal, front);
     let rim = 1.0 - abs(dot(n, toward_eye(in.world)));
     let rim2 = rim * rim;
@@ -36,6 +42,9 @@ fn fs_ghost(in: Fragment, @builtin(front_facing) front: bool) -> @location(0) ve
 }
 
 @fragment
-fn fs_ghost_depth() -> @location(0) vec4<f32> {
+fn fs_ghost_depth(in: Fragment) -> @location(0) vec4<f32> {
+    if side_of_cut(in.world) < 0.0 {
+        discard;
+    }
     return vec4<f32>(0.0);
 }

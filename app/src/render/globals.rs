@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use nalgebra::{Matrix4, Point3, Vector3};
 
-use super::{Camera, Projection, Quality, View, lighting::Light, theme::Look};
+use super::{Camera, Cut, Projection, Quality, View, lighting::Light, theme::Look};
 
 /// The uniform block; see `globals.wgsl` for what each value means.
 #[repr(C)]
@@ -32,6 +32,7 @@ pub(super) struct Globals {
     floor: [f32; 4],
     taps: [f32; 4],
     options: [f32; 4],
+    cut: [f32; 4],
 }
 
 /// How a picture's sizes on screen and in the world hang together.
@@ -116,6 +117,7 @@ impl Globals {
                 (extent.radius_m * 0.075).max(0.02).min(0.12) as f32,
                 f32::from(u8::from(mask.is_some())),
             ],
+            cut: Cut::plane(view.cut, scene_center),
         }
     }
 }
@@ -134,7 +136,7 @@ mod tests {
 
     #[test]
     fn the_block_has_the_size_that_the_shader_expects() {
-        // A matrix and 22 vectors, all aligned to 16 bytes.
-        assert_eq!(size_of::<Globals>(), 64 + 22 * 16);
+        // A matrix and 23 vectors, all aligned to 16 bytes.
+        assert_eq!(size_of::<Globals>(), 64 + 23 * 16);
     }
 }

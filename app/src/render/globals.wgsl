@@ -25,6 +25,7 @@ struct Globals {
     floor: vec4<f32>,        // centre x, y, height, radius at which the floor has faded
     taps: vec4<f32>,         // of blockers, shadow and occlusion
     options: vec4<f32>,      // 1 if transparent; opacity of shadow on the floor; occlusion radius in metres; 1 if masked
+    cut: vec4<f32>,          // plane: what is on its negative side is not drawn
 }
 
 @group(0) @binding(0) var<uniform> globals: Globals;
@@ -52,6 +53,11 @@ fn noise(pixel: vec2<f32>) -> f32 {
 // Half a step of an eight-bit channel up or down, so that gradients do not band.
 fn dither(pixel: vec2<f32>) -> f32 {
     return (noise(pixel) - 0.5) / 255.0;
+}
+
+// How far a place lies on the side of the cut that stays.
+fn side_of_cut(world: vec3<f32>) -> f32 {
+    return dot(globals.cut.xyz, world) + globals.cut.w;
 }
 
 fn depth_of(world: vec3<f32>) -> f32 {

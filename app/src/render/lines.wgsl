@@ -16,11 +16,26 @@ struct Stroke {
 
 @vertex
 fn vs_line(@builtin(vertex_index) index: u32, segment: Segment) -> Stroke {
-    var a = globals.clip_from_world * vec4<f32>(segment.start, 1.0);
-    var b = globals.clip_from_world * vec4<f32>(segment.end, 1.0);
+    var start = segment.start;
+    var tip = segment.end;
     var out: Stroke;
     out.srgb = segment.srgb;
     out.style = segment.style;
+    // Cut where the view is cut.
+    let head_side = side_of_cut(start);
+    let tail_side = side_of_cut(tip);
+    if head_side < 0.0 && tail_side < 0.0 {
+        out.position = vec4<f32>(2.0, 2.0, 2.0, 1.0);
+        out.along = vec4<f32>(0.0);
+        return out;
+    }
+    if head_side < 0.0 {
+        start = mix(start, tip, head_side / (head_side - tail_side));
+    } else if tail_side < 0.0 {
+        tip = mix(tip, start, tail_side / (tail_side - head_side));
+    }
+    var a = globals.clip_from_world * vec4<f32>(start, 1.0);
+    var b = globals.clip_from_world * vec4<f32>(tip, 1.0);
     // Cut at the near plane, where z = w.
     let before_a = a.w - a.z;
     let before_b = b.w - b.z;

@@ -47,6 +47,9 @@ fn facing(normal: vec3<f32>, front: bool) -> vec3<f32> {
 
 @fragment
 fn fs_depth_and_normal(in: Fragment, @builtin(front_facing) front: bool) -> @location(0) vec4<f32> {
+    if side_of_cut(in.world) < 0.0 {
+        discard;
+    }
     // The last value means "nothing here".
     let fraction = min((depth_of(in.world) - globals.depth.x) / globals.depth.y, 65534.0 / 65535.0);
     return vec4<f32>(pack2(fraction), pack_normal(facing(in.normal, front)));
@@ -55,12 +58,15 @@ fn fs_depth_and_normal(in: Fragment, @builtin(front_facing) front: bool) -> @loc
 struct Shadow {
     @builtin(position) position: vec4<f32>,
     @location(0) depth: f32,
+    @location(1) world: vec3<f32>,
 }
 
 @vertex
 fn vs_shadow(vertex: Vertex) -> Shadow {
-    let light = light_from_world(world_position(vertex)) / globals.light_size.xyz;
+    let world = world_position(vertex);
+    let light = light_from_world(world) / globals.light_size.xyz;
     var out: Shadow;
+    out.world = world;
     out.position = vec4<f32>(light.x * 2.0 - 1.0, 1.0 - light.y * 2.0, light.z, 1.0);
     out.depth = light.z;
     return out;
@@ -68,5 +74,8 @@ fn vs_shadow(vertex: Vertex) -> Shadow {
 
 @fragment
 fn fs_shadow(in: Shadow) -> @location(0) vec4<f32> {
+    if side_of_cut(in.world) < 0.0 {
+        discard;
+    }
     return vec4<f32>(pack3(in.depth), 0.0);
 }

@@ -11,6 +11,7 @@
 mod bounds;
 mod camera;
 mod colormap;
+mod cut;
 mod floor;
 mod frame;
 mod globals;
@@ -35,6 +36,7 @@ mod tests;
 pub use bounds::{Bounds, BoundsCache};
 pub use camera::{Camera, Named, Projection, Ray};
 pub use colormap::{ColorMap, Scale};
+pub use cut::Cut;
 pub use frame::{Frame, LineDraw, MeshDraw, PointsDraw, Surface};
 #[cfg(not(target_arch = "wasm32"))]
 pub use offscreen::{MAX_SIDE_PX, Offscreen, OffscreenError};

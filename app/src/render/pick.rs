@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Unit, Vector3};
 
-use super::{BoundsCache, Frame, MeshDraw, Ray, bounds::is_finite};
+use super::{BoundsCache, Cut, Frame, MeshDraw, Ray, bounds::is_finite};
 
 /// Opacity from which a body hides what is behind it.
 const OPAQUE: f32 = 0.999;
@@ -37,6 +37,11 @@ pub struct Picker {
 impl Picker {
     /// As [`pick`].
     pub fn pick(&mut self, frame: &Frame, ray: Ray) -> Option<Hit> {
+        self.pick_cut(frame, ray, None)
+    }
+
+    /// As [`pick`], of what a cut leaves.
+    pub fn pick_cut(&mut self, frame: &Frame, ray: Ray, cut: Option<Cut>) -> Option<Hit> {
         self.bounds.drop_unused();
         let mut nearest: Option<Hit> = None;
         for (draw_idx, draw) in frame.meshes.iter().enumerate() {
@@ -45,7 +50,7 @@ impl Picker {
                 continue;
             }
             let limit = nearest.map_or(f64::INFINITY, |hit| hit.distance_m);
-            if let Some(hit) = self.meet(draw, draw_idx, &ray, limit) {
+            if let Some(hit) = self.meet(draw, draw_idx, &ray, limit, cut) {
                 nearest = Some(hit);
             }
         }
@@ -53,7 +58,14 @@ impl Picker {
     }
 
     /// Meets one body nearer than `limit`.
-    fn meet(&mut self, draw: &MeshDraw, draw_idx: usize, ray: &Ray, limit: f64) -> Option<Hit> {
+    fn meet(
+        &mut self,
+        draw: &MeshDraw,
+        draw_idx: usize,
+        ray: &Ray,
+        limit: f64,
+        cut: Option<Cut>,
+    ) -> Option<Hit> {
         let sphere = self.bounds.sphere(&draw.mesh)?;
         let origin = draw.X_WM.inverse_transform_point(&ray.origin);
         let direction = draw.X_WM.inverse_transform_vector(&ray.direction);
@@ -68,6 +80,7 @@ impl Picker {
             let [Some(a), Some(b), Some(c)] = triangle.map(|i| draw.mesh.positions.get(i as usize)) else { continue };
             if let Some((t, normal)) = meet_triangle(&origin, &direction, a, b, c)
                 && t < best.map_or(limit, |(nearest, _)| nearest)
+                && cut.is_none_or(|cut| cut.keeps(&ray.at(t)))
             {
                 best = Some((t, normal));
             }

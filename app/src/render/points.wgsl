@@ -30,6 +30,9 @@ fn vs_point(@builtin(vertex_index) index: u32) -> Splat {
     var out: Splat;
     let offset = vec2<f32>(cos(angle), sin(angle)) * radius_px * 2.0 * globals.size.zw;
     out.position = vec4<f32>(clip.xy + offset * clip.w, clip.zw);
+    if side_of_cut(point + cloud.offset.xyz) < 0.0 {
+        out.position = vec4<f32>(2.0, 2.0, 2.0, 1.0);
+    }
     out.srgb = unpack4x8unorm(texel.w);
     return out;
 }

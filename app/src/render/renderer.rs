@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 
 use super::{
-    BoundsCache, Frame, Target, View,
+    BoundsCache, Cut, Frame, Target, View,
     floor::Floor,
     globals::{Extent, Globals, Stage},
     gpu::{self, Stream},
@@ -65,7 +65,15 @@ pub struct Renderer {
     points: Points,
     lines: Lines,
     /// What the shadow map shows, so that it is drawn anew only when a caster has moved.
-    shadowed: Option<(Light, Vec<Batch>, Vec<Instance>)>,
+    shadowed: Option<Shadowed>,
+}
+
+/// What a shadow map shows.
+struct Shadowed {
+    light: Light,
+    cut: Option<Cut>,
+    batches: Vec<Batch>,
+    casters: Vec<Instance>,
 }
 
 impl Renderer {
@@ -144,15 +152,19 @@ impl Renderer {
         self.lines.prepare(device, queue, frame, &stage);
 
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("view") });
-        let same = self.shadowed.as_ref().is_some_and(|(old_light, batches, casters)| {
-            *old_light == light && *batches == plan.solid && casters == plan.casters()
+        let same = self.shadowed.as_ref().is_some_and(|shadowed| {
+            shadowed.light == light
+                && shadowed.cut == view.cut
+                && shadowed.batches == plan.solid
+                && shadowed.casters == plan.casters()
         });
         if !same {
             let mut pass = self.lighting.shadow_pass(&mut encoder);
             pass.set_bind_group(0, globals, &[]);
             self.meshes.draw_shadow(&mut pass, &plan.solid);
             drop(pass);
-            self.shadowed = Some((light, plan.solid.clone(), plan.casters().to_vec()));
+            let (batches, casters) = (plan.solid.clone(), plan.casters().to_vec());
+            self.shadowed = Some(Shadowed { light, cut: view.cut, batches, casters });
         }
         if mask.is_some() {
             let depth = Some((&masks.depth, 0.0));

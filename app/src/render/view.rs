@@ -1,6 +1,6 @@
 //! From where and how a frame is looked at.
 
-use super::{Camera, Theme};
+use super::{Camera, Cut, Theme};
 
 /// Everything about a picture that is not its content.
 #[derive(Clone, Debug)]
@@ -17,11 +17,13 @@ pub struct View {
     pub transparent: bool,
     /// Draw the floor's grid.
     pub grid: bool,
+    /// What lies on one side of it is not drawn.
+    pub cut: Option<Cut>,
 }
 
 impl View {
     /// An opaque view with the grid, at one physical pixel per logical pixel.
     pub fn new(camera: Camera, theme: Theme, size_px: [u32; 2]) -> Self {
-        Self { camera, theme, size_px, pixels_per_point: 1.0, transparent: false, grid: true }
+        Self { camera, theme, size_px, pixels_per_point: 1.0, transparent: false, grid: true, cut: None }
     }
 }

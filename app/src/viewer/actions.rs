@@ -9,7 +9,7 @@ use endcomfort_core::scene::ArmChoice;
 
 use super::state::{Step, ThemeChoice};
 use super::{
-    Command, GraspCommand, LabCommand, Layer, Overlay, PlaceCommand, PlanCommand, PoseCommand, ReachCommand, Thing, TourCommand, Turning,
+    CloudColor, Command, GraspCommand, LabCommand, Layer, LookCommand, Overlay, PlaceCommand, PlanCommand, PoseCommand, ReachCommand, Thing, TourCommand, Turning,
     ViewCommand, ViewerState,
 };
 use crate::export::MotionFormat;
@@ -109,6 +109,8 @@ pub(super) fn with_keys(state: &ViewerState) -> Vec<Action> {
         true => (PoseCommand::Close, "Leave the robot's pose"),
         false => (PoseCommand::Open, "Pose the robot: hands and joints"),
     };
+    let measures = state.looking.measured.is_some();
+    let measure_title = if measures { "Stop measuring" } else { "Measure distances and angles" };
     let is_presented = state.presentation.is_some();
     let thing = state.selected_thing();
     let on_thing = |deed: fn(Thing) -> PlaceCommand| Command::Place(thing.map_or(PlaceCommand::Select(None), deed));
@@ -148,6 +150,7 @@ pub(super) fn with_keys(state: &ViewerState) -> Vec<Action> {
             .key("5", Key::Num5),
         Action::new(View, "Keep this view", Command::View(ViewCommand::Keep)).key("K", Key::K),
         Action::new(Select, pose_title, Command::Pose(pose)).key("J", Key::J),
+        Action::new(View, measure_title, Command::Look(LookCommand::Measure(!measures))).key("M", Key::M),
         Action::new(View, reach_title, Command::Reach(reach)).key("R", Key::R),
         Action::new(Page, "Find anything", toggled(Overlay::Palette)).keys("Ctrl K", Modifiers::COMMAND, Key::K),
         Action::new(Page, "Redo", Command::Redo)
@@ -214,6 +217,11 @@ pub(super) fn without_keys(state: &ViewerState) -> Vec<Action> {
     }
     for kept in &state.viewing.kept {
         actions.push(Action::new(View, format!("Go to {}", kept.title()), Command::View(ViewCommand::Recall(kept.id))));
+    }
+    for by in CloudColor::ALL {
+        let title = format!("Colour the points by {}", by.title().to_lowercase());
+        let action = Action::new(View, title, Command::Look(LookCommand::Color(by)));
+        actions.push(action.when(state.looking.cloud.by != by));
     }
     for layer in Layer::ALL {
         let verb = if state.layers.get(layer).visible { "Hide" } else { "Show" };

@@ -11,7 +11,7 @@ use endcomfort_core::task::Plan;
 use super::goal_drag::GoalDrag;
 use super::state::{IkChoice, Presentation, Side, StageState, Step, ThemeChoice};
 use super::{
-    Document, GraspCommand, HandoverCommand, LabCommand, Layer, Opened, Overlay, PlaceCommand, PlanCommand, Playback, PoseCommand,
+    Document, GraspCommand, HandoverCommand, LabCommand, Layer, LookCommand, Opened, Overlay, PlaceCommand, PlanCommand, Playback, PoseCommand,
     ReachCommand, TourCommand, ViewCommand, ViewEffect, ViewerState, playback, share,
 };
 use crate::export::MotionFormat;
@@ -104,6 +104,8 @@ pub enum Command {
     Pose(PoseCommand),
     /// Shows a newcomer around.
     Tour(TourCommand),
+    /// Looks closely: points, cut, measures.
+    Look(LookCommand),
     /// Moves the camera.
     View(ViewCommand),
     /// Saves a picture of the view.
@@ -300,6 +302,7 @@ impl ViewerState {
             Command::Place(command) => return self.apply_place(command),
             Command::Pose(command) => return self.apply_pose(command),
             Command::Tour(command) => return self.apply_tour(command),
+            Command::Look(command) => return self.apply_look(command),
             Command::View(command) => return self.apply_view(command),
             Command::Screenshot => return vec![Effect::Screenshot],
             Command::Share => return vec![Effect::Share],
@@ -523,6 +526,8 @@ impl ViewerState {
             self.grasping.draws_region = false;
         } else if self.overlay != Overlay::None {
             self.overlay = Overlay::None;
+        } else if self.looking.measured.is_some() {
+            self.looking.measured = None;
         } else if self.tour.is_some() {
             return self.apply_tour(TourCommand::End);
         } else if self.shown_voxel().is_some() {

@@ -7,7 +7,7 @@ use endcomfort_core::task::Try;
 use nalgebra::Point3;
 
 use super::{
-    Document, GraspingKey, Hover, Kept, LabKey, Layers, Outputs, PlanningKey, PosingKey, ReachKey, Reaching, Selection, Situation,
+    CloudLook, Document, GraspingKey, Hover, Kept, LabKey, Layers, Outputs, PlanningKey, PosingKey, ReachKey, Reaching, Selection, Situation,
     VoxelChoice,
 };
 use crate::render::{Bounds, Frame, Scale};
@@ -35,6 +35,8 @@ pub struct ComposeInput<'a> {
     pub grasping: GraspingKey,
     /// How plans are examined.
     pub planning: PlanningKey,
+    /// How points are drawn.
+    pub cloud_look: CloudLook,
     /// How the robot is posed by hand.
     pub posing: PosingKey,
     /// What was tried in vain.
@@ -100,6 +102,7 @@ pub struct ViewKey {
     pub(super) posture: Posture,
     pub(super) grasping: GraspingKey,
     pub(super) planning: PlanningKey,
+    pub(super) cloud_look: CloudLook,
     pub(super) posing: PosingKey,
     pub(super) reach: ReachKey,
     pub(super) lab: Option<LabKey>,

@@ -38,6 +38,11 @@ pub(super) fn millimetres(metres: f64) -> String {
     if metres.is_finite() { format!("{:.0} mm", metres * 1e3) } else { "–".to_owned() }
 }
 
+/// A length in tenths of a millimetre, from metres.
+pub(super) fn millimetres_fine(metres: f64) -> String {
+    format!("{:.1}\u{2009}mm", metres * 1e3)
+}
+
 /// A volume, from cubic metres: millilitres below ten litres.
 pub(super) fn volume(cubic_metres: f64) -> String {
     if cubic_metres < 0.01 {

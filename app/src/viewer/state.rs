@@ -7,7 +7,7 @@ use endcomfort_core::job::{Refusal, Stage};
 
 use super::document::History;
 use super::{
-    ComposeInput, Demo, Document, Grasping, Lab, Layers, Offer, Outputs, Planning, Playback, Posing, Posture, Reaching,
+    ComposeInput, Demo, Document, Grasping, Lab, Layers, Looking, Offer, Outputs, Planning, Playback, Posing, Posture, Reaching,
     RobotChoice, SharedView, TableView, Thing, Tour, ViewKey, Viewing,
 };
 
@@ -47,6 +47,8 @@ pub struct ViewerState {
     pub placing: Option<Thing>,
     /// How the view is looked at.
     pub viewing: Viewing,
+    /// How closely the view is looked at.
+    pub looking: Looking,
     /// What covers the page.
     pub overlay: Overlay,
     /// The tour for newcomers, while it runs.
@@ -263,6 +265,7 @@ impl ViewerState {
             posing: Posing::default(),
             placing: None,
             viewing: Viewing::default(),
+            looking: Looking::default(),
             overlay: Overlay::None,
             tour: None,
             presentation: None,
@@ -380,6 +383,7 @@ impl ViewerState {
             posture: self.posture(),
             grasping: self.grasping_key(),
             planning: self.planning_key(),
+            cloud_look: self.looking.cloud,
             posing: self.posing_key(),
             tries: self.tries(),
             kept: self.planning.kept.as_ref(),
@@ -402,6 +406,7 @@ impl ViewerState {
             posture: self.posture(),
             grasping: self.grasping_key(),
             planning: self.planning_key(),
+            cloud_look: self.looking.cloud,
             posing: self.posing_key(),
             reach: self.reaching.key(),
             lab: self.lab_key(),

@@ -15,10 +15,10 @@ use super::region_drag::RegionDrag;
 use super::state::Step;
 use super::theme::{SECONDARY, Tokens, font};
 use super::{
-    Command, GraspCommand, HandoverCommand, Pick, Picture, PlaceCommand, PoseCommand, ReachCommand, Studio, Thing, Tone, Turning,
-    ViewCommand, ViewEffect, ViewKey, ViewerState, flying, legends,
+    Command, GraspCommand, HandoverCommand, LookCommand, Pick, Picture, PlaceCommand, PoseCommand, ReachCommand, Studio, Thing, Tone, Turning,
+    ViewCommand, ViewEffect, ViewKey, ViewerState, flying, legends, measuring,
 };
-use crate::render::{Bounds, BoundsCache, Camera, Picker, Quality, Renderer, Target, Theme, View};
+use crate::render::{Bounds, BoundsCache, Camera, Cut, Picker, Quality, Renderer, Target, Theme, View};
 
 /// Radians per point of dragging: a drag over 600 points turns by half a turn.
 const TURN: f64 = std::f64::consts::PI / 600.0;
@@ -116,6 +116,7 @@ struct Drawn {
     camera: Camera,
     size_px: [u32; 2],
     theme: Theme,
+    cut: Option<Cut>,
 }
 
 impl View3d {
@@ -222,7 +223,7 @@ impl View3d {
         let pixels_per_point = ui.pixels_per_point();
         let size_px = [rect.width(), rect.height()].map(|side| (side * pixels_per_point).round().max(1.0) as u32);
         let theme = if dark { Theme::Dark } else { Theme::Light };
-        let wanted = Drawn { camera: self.camera, size_px, theme };
+        let wanted = Drawn { camera: self.camera, size_px, theme, cut: state.looking.cut };
         let now_s = ui.input(|input| input.time);
         if is_new || self.drawn.as_ref() != Some(&wanted) {
             self.draw(&wanted, pixels_per_point, self.while_moving);
@@ -240,6 +241,7 @@ impl View3d {
         self.labels(ui, rect);
         self.gizmo.paint(ui, Shot { rect, camera: &self.camera }, state);
         self.hands.paint(ui, Shot { rect, camera: &self.camera }, state);
+        measuring::paint(ui, Shot { rect, camera: &self.camera }, &layout, state);
         if state.grasping.draws_region {
             self.region.hint(ui, &layout);
             commands.extend(self.region.follow(ui, &response, rect, &self.camera, state));
@@ -271,6 +273,7 @@ impl View3d {
         }
         let mut view = View::new(wanted.camera, wanted.theme, wanted.size_px);
         view.pixels_per_point = pixels_per_point;
+        view.cut = wanted.cut;
         self.renderer.draw(&gpu.device, &gpu.queue, &self.picture.frame, &view, &mut self.target);
     }
 
@@ -409,7 +412,7 @@ impl View3d {
         state: &ViewerState,
         commands: &mut Vec<Command>,
     ) {
-        let hit = self.picker.pick(&self.picture.frame, self.camera.ray(at, size));
+        let hit = self.picker.pick_cut(&self.picture.frame, self.camera.ray(at, size), state.looking.cut);
         let pick = hit.as_ref().map_or(Pick::Nothing, |hit| Pick::from_id(hit.pick_id));
         let grasp = if let Pick::Grasp(id) = pick { Some(id) } else { None };
         let cluster = match pick {
@@ -427,6 +430,12 @@ impl View3d {
         }
         if state.hover.cluster != cluster {
             commands.push(Command::HoverCluster(cluster));
+        }
+        if state.looking.measured.is_some() {
+            if let Some(hit) = hit.filter(|_| response.clicked()) {
+                commands.push(Command::Look(LookCommand::Point(hit.point)));
+            }
+            return;
         }
         if response.clicked() {
             match pick {

@@ -3,7 +3,7 @@
 use egui::{Align, Color32, Rect, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 use endcomfort_core::grasp::GraspStatus;
 
-use super::Out;
+use super::{Out, cloud_menu};
 use crate::viewer::format;
 use crate::viewer::icons::{self, Icon};
 use crate::viewer::theme::{BODY, SECONDARY, SMALL_RADIUS, Tokens, font};
@@ -40,7 +40,8 @@ fn row(ui: &mut Ui, state: &ViewerState, layer: Layer, height: f32, out: &mut Ou
     ui.painter().rect_filled(swatch, 2.5, if view.visible { color } else { color.gamma_multiply(0.35) });
     let eye = Rect::from_center_size(pos2(rect.right() - 9.0, rect.center().y), vec2(24.0, height.min(22.0)));
     let settings = eye.translate(vec2(-eye.width(), 0.0));
-    let right = if layer == Layer::Reach { settings.left() } else { eye.left() };
+    let has_settings = matches!(layer, Layer::Reach | Layer::Cloud);
+    let right = if has_settings { settings.left() } else { eye.left() };
     let opacity = Rect::from_min_max(pos2(right - 46.0, rect.top()), pos2(right - 2.0, rect.bottom()));
     let text = Rect::from_min_max(pos2(rect.left() + 17.0, rect.top()), pos2(opacity.left() - 2.0, rect.bottom()));
     let label = label(state, layer);
@@ -49,6 +50,10 @@ fn row(ui: &mut Ui, state: &ViewerState, layer: Layer, height: f32, out: &mut Ou
     if layer == Layer::Reach && icon_button_at(ui, settings, Icon::Sliders, "Reachability settings", true).clicked() {
         let command = if state.reaching.is_open { ReachCommand::Close } else { ReachCommand::Open };
         out.push(Command::Reach(command));
+    }
+    if layer == Layer::Cloud {
+        let button = icon_button_at(ui, settings, Icon::Sliders, "How points are drawn", true);
+        cloud_menu::draw(&button, state, out);
     }
     let lit = row.contains_pointer();
     opacity_of(ui, opacity, layer, view.visible && (lit || view.opacity < 0.995), state, out);

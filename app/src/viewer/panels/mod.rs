@@ -1,5 +1,6 @@
 //! The panels: one file each.
 
+mod cloud_menu;
 mod drop_zone;
 mod fit;
 mod gallery;

@@ -11,7 +11,7 @@ use crate::viewer::icons::Icon;
 use crate::viewer::number::{Number, Touch, number};
 use crate::viewer::posing::{STEP_WORDS, unit_of_joint};
 use crate::viewer::slider::slider;
-use crate::viewer::theme::{BODY, SECONDARY, SMALL_RADIUS, Tokens, font};
+use crate::viewer::theme::{BODY, SECONDARY, SMALL, SMALL_RADIUS, Tokens, font};
 use crate::viewer::widgets::{
     focus_ring, icon_button, key_value, key_value_colored, paragraph, secondary_button, section, segmented_wide, title,
 };
@@ -122,6 +122,7 @@ fn place(ui: &mut Ui, hand: &LedHand, out: &mut Out) {
     let X_WH = hand.handle();
     ui.spacing_mut().item_spacing.x = 6.0;
     let width = (ui.available_width() - 12.0) / 3.0;
+    captions(ui, AXES, width);
     ui.horizontal(|ui| {
         for (axis, field) in PLACE.iter().enumerate() {
             let touch = number(ui, field, X_WH.translation.vector[axis], width);
@@ -133,6 +134,7 @@ fn place(ui: &mut Ui, hand: &LedHand, out: &mut Out) {
         }
     });
     ui.add_space(4.0);
+    captions(ui, ["roll", "pitch", "yaw"], width);
     ui.horizontal(|ui| {
         let (roll, pitch, yaw) = X_WH.rotation.euler_angles();
         let angles = [roll, pitch, yaw];
@@ -144,6 +146,17 @@ fn place(ui: &mut Ui, hand: &LedHand, out: &mut Out) {
                 let rotation = UnitQuaternion::from_euler_angles(wanted[0], wanted[1], wanted[2]);
                 Isometry3::from_parts(X_WH.translation, rotation)
             });
+        }
+    });
+}
+
+/// What stands below, column by column.
+fn captions(ui: &mut Ui, names: [&str; 3], width: f32) {
+    let ink = Tokens::of(ui).secondary;
+    ui.horizontal(|ui| {
+        for name in names {
+            let (rect, _) = ui.allocate_exact_size(vec2(width, 15.0), egui::Sense::hover());
+            let _rect = ui.painter().text(rect.center(), egui::Align2::CENTER_CENTER, name, font(SMALL), ink);
         }
     });
 }

@@ -58,7 +58,8 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         None => ("Edit the task", PlanPage::Task),
         Some(_) => ("Edit the handover", PlanPage::Handover),
     };
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing.y = 6.0;
         ui.spacing_mut().item_spacing.x = 8.0;
         if secondary_button(ui, words, true).clicked() {
             out.push(Command::SelectStep(Step::Stage(Stage::Plan)));

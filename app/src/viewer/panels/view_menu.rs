@@ -3,14 +3,17 @@
 use egui::{Popup, Ui};
 
 use super::Out;
-use crate::render::{Named, Projection};
+use crate::render::{Cut, Named, Projection};
 use crate::viewer::fields::menu_row;
 use crate::viewer::icons::Icon;
-use crate::viewer::widgets::{hairline, icon_button, segmented_wide};
-use crate::viewer::{Command, Turning, ViewCommand, ViewerState};
+use crate::viewer::widgets::{hairline, icon_button, segmented_wide, switch};
+use crate::viewer::slider::slider;
+use crate::viewer::{Command, LookCommand, Turning, ViewCommand, ViewerState};
 
+/// Along each axis, from where to where a cut can be moved, and where it is at first, metres: the workspace.
+const CUT_M: [[f64; 3]; 3] = [[-0.8, 1.6, 0.5], [-1.4, 1.4, 0.0], [0.0, 2.0, 0.8]];
 /// Widths of the menu, points.
-const WIDTH: f32 = 236.0;
+const WIDTH: f32 = 252.0;
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     let response = icon_button(ui, Icon::Frame, "View", true, false);
@@ -39,10 +42,19 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
                 out.push(Command::View(ViewCommand::Turn(Turning::ALL[index])));
             }
             hairline(ui);
-            for named in Named::ALL {
-                if menu_row(ui, named.title(), false) {
-                    asked = Some(Command::View(ViewCommand::Look(named)));
-                }
+            if menu_row(ui, "Measure  (M)", state.looking.measured.is_some()) {
+                asked = Some(Command::Look(LookCommand::Measure(state.looking.measured.is_none())));
+            }
+            cut(ui, state, out);
+            hairline(ui);
+            for pair in Named::ALL.chunks(2) {
+                ui.columns(2, |columns| {
+                    for (column, named) in columns.iter_mut().zip(pair) {
+                        if menu_row(column, named.title(), false) {
+                            asked = Some(Command::View(ViewCommand::Look(*named)));
+                        }
+                    }
+                });
             }
             hairline(ui);
             if menu_row(ui, "Keep this view  (K)", false) {
@@ -68,4 +80,25 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
             }
         },
     );
+}
+
+/// Where the view is cut open.
+fn cut(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
+    ui.add_space(4.0);
+    let now = state.looking.cut;
+    let chosen = now.map_or(0, |cut| cut.axis + 1);
+    if let Some(index) = segmented_wide(ui, "Cut", &["No cut", "x", "y", "z"], Some(chosen)) {
+        let cut = index.checked_sub(1).map(|axis| Cut { axis, at_m: CUT_M[axis][2], keeps_above: false });
+        out.push(Command::Look(LookCommand::Cut(cut)));
+    }
+    let Some(cut) = now else { return };
+    let [least, most, _] = CUT_M[cut.axis];
+    let words = format!("{:.2} m", cut.at_m).replace('-', "–");
+    if let Some(at_m) = slider(ui, "Place of the cut", &words, cut.at_m, [least, most]) {
+        out.push(Command::Look(LookCommand::Cut(Some(Cut { at_m, ..cut }))));
+    }
+    if switch(ui, "Take away the other side", cut.keeps_above) {
+        out.push(Command::Look(LookCommand::Cut(Some(Cut { keeps_above: !cut.keeps_above, ..cut }))));
+    }
+    ui.add_space(4.0);
 }

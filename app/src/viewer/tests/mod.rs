@@ -7,6 +7,7 @@ mod grasping;
 mod handing;
 mod invented;
 mod lab;
+mod looking;
 mod pictures;
 mod placing;
 mod plans;
