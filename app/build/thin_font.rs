@@ -150,12 +150,7 @@ fn variations(font: &FontRef<'_>, kept: &BTreeSet<u32>) -> Option<Vec<u8>> {
 /// The variations of one glyph whose peaks are used.
 ///
 /// * `shared`: the font's shared peaks, two bytes an axis, and so is what `is_used` is asked about.
-fn used_only(
-    glyph: &[u8],
-    shared: &[u8],
-    axes: usize,
-    is_used: &dyn Fn(&[u8]) -> Option<bool>,
-) -> Option<Vec<u8>> {
+fn used_only(glyph: &[u8], shared: &[u8], axes: usize, is_used: &dyn Fn(&[u8]) -> Option<bool>) -> Option<Vec<u8>> {
     let flags = word(glyph, 0)?;
     let (count, data_at) = (usize::from(flags & 0x0fff), usize::from(word(glyph, 2)?));
     let has_shared_points = flags & 0x8000 != 0;
@@ -262,7 +257,8 @@ fn assembled(tables: Vec<(Tag, Vec<u8>)>) -> Vec<u8> {
 }
 
 fn checksum(table: &[u8]) -> u32 {
-    let word = |chunk: &[u8]| chunk.iter().fold(0_u32, |sum, byte| sum << 8 | u32::from(*byte)) << (8 * (4 - chunk.len()));
+    let word =
+        |chunk: &[u8]| chunk.iter().fold(0_u32, |sum, byte| sum << 8 | u32::from(*byte)) << (8 * (4 - chunk.len()));
     table.chunks(4).map(word).fold(0, u32::wrapping_add)
 }
 

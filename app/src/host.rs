@@ -48,17 +48,26 @@ pub trait Host {
     fn backend(&self) -> String;
 }
 
-/// A place for one text that is kept from visit to visit.
+/// What is kept from visit to visit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Entry {
+    /// What was open.
+    Session,
+    /// Sizes of the panels.
+    Layout,
+}
+
+/// A place for texts that are kept from visit to visit.
 pub trait Store {
     /// What was written last, by this visit or an earlier one.
-    fn read(&self) -> Option<String>;
+    fn read(&self, entry: Entry) -> Option<String>;
 
     /// Replaces it.
     ///
     /// # Errors
     /// Why it cannot be kept, for a log.
-    fn write(&mut self, text: &str) -> Result<(), String>;
+    fn write(&mut self, entry: Entry, text: &str) -> Result<(), String>;
 
     /// Forgets it.
-    fn forget(&mut self);
+    fn forget(&mut self, entry: Entry);
 }

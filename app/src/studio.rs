@@ -11,7 +11,9 @@ use endcomfort_core::task::{PhaseKind, TARGET, Try};
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::assets;
-use crate::compose::{Composer, Content, LabContent, MotionContent, Palette, ReachContent, cloud_scale, quantity_scale};
+use crate::compose::{
+    Composer, Content, LabContent, MotionContent, Palette, ReachContent, cloud_scale, quantity_scale,
+};
 use crate::export::{MotionFormat, export_grasps, export_motion};
 use crate::render::{Bounds, ColorMap, Frame, Scale, Theme};
 use crate::viewer::{

@@ -1,13 +1,18 @@
-//! What this browser keeps of the page from visit to visit: one entry of its `localStorage`.
+//! What this browser keeps of the page from visit to visit: two entries of its `localStorage`.
 
-use endcomfort::host::Store;
+use endcomfort::host::{Entry, Store};
 use wasm_bindgen::JsValue;
 use web_sys::Storage;
 
-/// Name of the entry.
-const KEY: &str = "endcomfort_session";
+/// Name of an entry.
+fn key(entry: Entry) -> &'static str {
+    match entry {
+        Entry::Session => "endcomfort_session",
+        Entry::Layout => "endcomfort_layout",
+    }
+}
 
-/// The entry. A browser that keeps nothing (a private window, a strict setting) makes no difference but this one.
+/// The entries. A browser that keeps nothing (a private window, a strict setting) makes no difference but this one.
 pub(crate) struct LocalStore;
 
 fn storage() -> Option<Storage> {
@@ -15,20 +20,20 @@ fn storage() -> Option<Storage> {
 }
 
 impl Store for LocalStore {
-    fn read(&self) -> Option<String> {
-        storage()?.get_item(KEY).ok().flatten()
+    fn read(&self, entry: Entry) -> Option<String> {
+        storage()?.get_item(key(entry)).ok().flatten()
     }
 
-    fn write(&mut self, text: &str) -> Result<(), String> {
+    fn write(&mut self, entry: Entry, text: &str) -> Result<(), String> {
         let storage = storage().ok_or("this browser keeps nothing for the page")?;
         let full = |error: JsValue| format!("the browser refuses it: {error:?}");
-        storage.set_item(KEY, text).map_err(full)
+        storage.set_item(key(entry), text).map_err(full)
     }
 
-    fn forget(&mut self) {
+    fn forget(&mut self, entry: Entry) {
         if let Some(storage) = storage() {
             // Where it cannot be removed it is met again at the next visit, and dropped again.
-            let _stays = storage.remove_item(KEY);
+            let _stays = storage.remove_item(key(entry));
         }
     }
 }

@@ -7,6 +7,7 @@ use crate::render::Cut;
 use crate::viewer::{CloudColor, CloudLook, Keep};
 
 #[derive(clap::Args)]
+#[group(skip)]
 pub(super) struct Options {
     /// What colours the points of the cloud.
     #[arg(long, value_enum, default_value = "fate", help_heading = "Looking closely")]

@@ -7,6 +7,7 @@ use super::Failure;
 use crate::assets;
 
 #[derive(clap::Args)]
+#[group(skip)]
 pub(super) struct Options {
     /// Posture of the robot from which it starts, by its name in the SRDF.
     #[arg(long, help_heading = "Start")]

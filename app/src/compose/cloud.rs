@@ -39,13 +39,7 @@ fn amount(cloud: &SceneOutput, by: CloudColor) -> Option<Box<dyn Fn(&Point3<f64>
 }
 
 impl Composer {
-    pub(super) fn add_cloud(
-        &mut self,
-        frame: &mut Frame,
-        cloud: &SceneOutput,
-        input: &Content<'_>,
-        palette: &Palette,
-    ) {
+    pub(super) fn add_cloud(&mut self, frame: &mut Frame, cloud: &SceneOutput, input: &Content<'_>, palette: &Palette) {
         let points = &cloud.cloud.points;
         let moved = match (input.X_WO, input.X_WO_start) {
             (Some(now), Some(start)) => (now.translation.vector - start.translation.vector).norm() > MOVED_M,

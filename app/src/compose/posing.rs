@@ -36,8 +36,7 @@ impl Composer {
                     });
                 }
             }
-            let ends: Vec<Point3<f64>> =
-                [hand.X_WH, target.X_WH].iter().map(|X| X.translation.vector.into()).collect();
+            let ends: Vec<Point3<f64>> = [hand.X_WH, target.X_WH].iter().map(|X| X.translation.vector.into()).collect();
             frame.lines.push(LineDraw::new(ends, palette.culprit, 2.5).dashed(6.0));
         }
     }

@@ -58,14 +58,7 @@ impl Picker {
     }
 
     /// Meets one body nearer than `limit`.
-    fn meet(
-        &mut self,
-        draw: &MeshDraw,
-        draw_idx: usize,
-        ray: &Ray,
-        limit: f64,
-        cut: Option<Cut>,
-    ) -> Option<Hit> {
+    fn meet(&mut self, draw: &MeshDraw, draw_idx: usize, ray: &Ray, limit: f64, cut: Option<Cut>) -> Option<Hit> {
         let sphere = self.bounds.sphere(&draw.mesh)?;
         let origin = draw.X_WM.inverse_transform_point(&ray.origin);
         let direction = draw.X_WM.inverse_transform_vector(&ray.direction);

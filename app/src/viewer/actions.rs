@@ -9,8 +9,8 @@ use endcomfort_core::scene::ArmChoice;
 
 use super::state::{Step, ThemeChoice};
 use super::{
-    CloudColor, Command, GraspCommand, LabCommand, Layer, LookCommand, Overlay, PlaceCommand, PlanCommand, PoseCommand, ReachCommand, Thing, TourCommand, Turning,
-    ViewCommand, ViewerState,
+    CloudColor, Command, GraspCommand, LabCommand, Layer, LookCommand, Overlay, PanelSizes, PlaceCommand, PlanCommand,
+    PoseCommand, ReachCommand, Thing, TourCommand, Turning, ViewCommand, ViewerState,
 };
 use crate::export::MotionFormat;
 use crate::render::{Named, Projection};
@@ -233,6 +233,8 @@ pub(super) fn without_keys(state: &ViewerState) -> Vec<Action> {
     for (theme, name) in themes {
         actions.push(Action::new(Page, format!("Theme {name}"), Command::SetTheme(theme)).when(state.theme != theme));
     }
+    let is_usual = state.sizes == PanelSizes::default();
+    actions.push(Action::new(Page, "Give every panel its usual size", Command::ResetLayout).when(!is_usual));
     actions.push(Action::new(Scene, "Open a file…", Command::PickFile));
     actions.push(Action::new(Export, "Save the session", Command::SaveSession));
     actions.push(Action::new(Export, "Save the scene", Command::SaveScene));

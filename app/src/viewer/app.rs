@@ -10,8 +10,8 @@ use super::share::Autosave;
 use super::state::Step;
 use super::view3d::View3d;
 use super::{
-    Command, Document, Effect, LabCommand, Offer, Overlay, ReachCommand, Studio, ThemeChoice, ViewCommand, ViewEffect,
-    ViewerState, draw_panels, theme,
+    Command, Document, Effect, LabCommand, Offer, Overlay, PanelSizes, ReachCommand, Studio, ThemeChoice, ViewCommand,
+    ViewEffect, ViewerState, draw_panels, theme,
 };
 use crate::host::Host;
 
@@ -39,6 +39,8 @@ pub struct App {
     inbox: Inbox,
     screenshot: Screenshot,
     pub(super) autosave: Autosave,
+    /// Sizes of the panels as they were written last.
+    pub(super) kept_sizes: PanelSizes,
 }
 
 /// Files that are still being read when they are dropped (the browser reads them in its own time).
@@ -81,6 +83,7 @@ impl App {
             inbox: Inbox::default(),
             screenshot: Screenshot::None,
             autosave: Autosave::default(),
+            kept_sizes: PanelSizes::default(),
         };
         let ctx = &cc.egui_ctx;
         app.apply(ctx, Command::SetTheme(start.theme));
@@ -104,6 +107,7 @@ impl App {
             app.apply(ctx, Command::Show(Overlay::Gallery));
         }
         app.autosave = Autosave::new(app.state.revision);
+        app.restore_layout();
         Ok(app)
     }
 
@@ -309,6 +313,7 @@ impl eframe::App for App {
     fn logic(&mut self, ctx: &Context, _frame: &mut eframe::Frame) {
         self.take_in(ctx);
         self.keep_for_next_visit(ctx);
+        self.keep_layout(ctx);
         if self.state.tour_runs() {
             let dt_s = f64::from(ctx.input(|input| input.stable_dt)).min(0.1);
             let effects = self.state.advance_tour(dt_s);

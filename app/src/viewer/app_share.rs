@@ -5,7 +5,8 @@ use endcomfort_core::job::Stage;
 use endcomfort_core::scene::Scene;
 
 use super::state::StageState;
-use super::{App, Command, Document, Opened, SharedView, link_text, read_link, session_text};
+use super::{App, Command, Document, Edge, Opened, PanelSizes, SharedView, link_text, read_link, session_text};
+use crate::host::Entry;
 
 impl App {
     /// The address of this view: the page's own with `#s=…`, natively that part alone.
@@ -96,6 +97,33 @@ impl App {
             ctx.request_repaint_after_secs(wait_s as f32);
         } else {
             self.autosave.write(&self.state, self.view.camera(), now_s, store);
+        }
+    }
+
+    /// Gives the panels the sizes that they had at the last visit.
+    pub(super) fn restore_layout(&mut self) {
+        let text = self.host.store().and_then(|store| store.read(Entry::Layout));
+        let Some(text) = text.filter(|_| !self.state.is_embedded) else { return };
+        match serde_json::from_str::<PanelSizes>(&text) {
+            Ok(sizes) => {
+                Edge::ALL.iter().zip(sizes.0).for_each(|(edge, size)| self.state.sizes.set(*edge, size));
+                self.kept_sizes = self.state.sizes;
+            }
+            Err(error) => log::warn!("the panels have their usual sizes: what was kept of them is wrong: {error}"),
+        }
+    }
+
+    /// Writes the sizes of the panels once nobody drags them any more.
+    pub(super) fn keep_layout(&mut self, ctx: &Context) {
+        let sizes = self.state.sizes;
+        if sizes == self.kept_sizes || ctx.input(|input| input.pointer.any_down()) || self.state.is_embedded {
+            return;
+        }
+        self.kept_sizes = sizes;
+        if let (Some(store), Ok(text)) = (self.host.store(), serde_json::to_string(&sizes))
+            && let Err(reason) = store.write(Entry::Layout, &text)
+        {
+            log::warn!("the sizes of the panels are not kept: {reason}");
         }
     }
 

@@ -11,8 +11,9 @@ use endcomfort_core::task::Plan;
 use super::goal_drag::GoalDrag;
 use super::state::{IkChoice, Presentation, Side, StageState, Step, ThemeChoice};
 use super::{
-    Document, GraspCommand, HandoverCommand, LabCommand, Layer, LookCommand, Opened, Overlay, PlaceCommand, PlanCommand, Playback, PoseCommand,
-    ReachCommand, TourCommand, ViewCommand, ViewEffect, ViewerState, playback, share,
+    Document, Edge, GraspCommand, HandoverCommand, LabCommand, Layer, LookCommand, Opened, Overlay, PanelSizes,
+    PlaceCommand, PlanCommand, Playback, PoseCommand, ReachCommand, TourCommand, ViewCommand, ViewEffect, ViewerState,
+    playback, share,
 };
 use crate::export::MotionFormat;
 use crate::render::Camera;
@@ -104,6 +105,10 @@ pub enum Command {
     Pose(PoseCommand),
     /// Shows a newcomer around.
     Tour(TourCommand),
+    /// Gives a panel another size, points; `None` its usual one.
+    ResizePanel(Edge, Option<f32>),
+    /// Gives every panel its usual size.
+    ResetLayout,
     /// Looks closely: points, cut, measures.
     Look(LookCommand),
     /// Moves the camera.
@@ -302,6 +307,8 @@ impl ViewerState {
             Command::Place(command) => return self.apply_place(command),
             Command::Pose(command) => return self.apply_pose(command),
             Command::Tour(command) => return self.apply_tour(command),
+            Command::ResizePanel(edge, size) => self.sizes.set(edge, size),
+            Command::ResetLayout => self.sizes = PanelSizes::default(),
             Command::Look(command) => return self.apply_look(command),
             Command::View(command) => return self.apply_view(command),
             Command::Screenshot => return vec![Effect::Screenshot],

@@ -7,8 +7,8 @@ use endcomfort_core::task::Try;
 use nalgebra::Point3;
 
 use super::{
-    CloudLook, Document, GraspingKey, Hover, Kept, LabKey, Layers, Outputs, PlanningKey, PosingKey, ReachKey, Reaching, Selection, Situation,
-    VoxelChoice,
+    CloudLook, Document, GraspingKey, Hover, Kept, LabKey, Layers, Outputs, PlanningKey, PosingKey, ReachKey, Reaching,
+    Selection, Situation, VoxelChoice,
 };
 use crate::render::{Bounds, Frame, Scale};
 

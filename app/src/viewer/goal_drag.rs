@@ -51,7 +51,8 @@ impl ViewerState {
             }
             _ => false,
         };
-        let is_free = !self.playback.playing && !self.reaching.is_open && !self.posing.is_open && self.shown_try().is_none();
+        let is_free =
+            !self.playback.playing && !self.reaching.is_open && !self.posing.is_open && self.shown_try().is_none();
         is_open && is_free && self.presentation.is_none()
     }
 

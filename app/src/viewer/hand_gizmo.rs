@@ -112,7 +112,13 @@ impl Placed {
 }
 
 /// Where the pointer takes hold of a handle, or has brought it: a point on the handle's plane or line.
-fn taken_at(handle: Handle, X_WH: &Isometry3<f64>, axes: &[Vector3<f64>; 3], shot: Shot<'_>, ray: &Ray) -> Option<Point3<f64>> {
+fn taken_at(
+    handle: Handle,
+    X_WH: &Isometry3<f64>,
+    axes: &[Vector3<f64>; 3],
+    shot: Shot<'_>,
+    ray: &Ray,
+) -> Option<Point3<f64>> {
     let p_W = Point3::from(X_WH.translation.vector);
     match handle {
         Handle::Dot => meet_plane(ray, &p_W, &shot.camera.backward(), 0.05),

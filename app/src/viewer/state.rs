@@ -7,8 +7,8 @@ use endcomfort_core::job::{Refusal, Stage};
 
 use super::document::History;
 use super::{
-    ComposeInput, Demo, Document, Grasping, Lab, Layers, Looking, Offer, Outputs, Planning, Playback, Posing, Posture, Reaching,
-    RobotChoice, SharedView, TableView, Thing, Tour, ViewKey, Viewing,
+    ComposeInput, Demo, Document, Grasping, Lab, Layers, Looking, Offer, Outputs, PanelSizes, Planning, Playback,
+    Posing, Posture, Reaching, RobotChoice, SharedView, TableView, Thing, Tour, ViewKey, Viewing,
 };
 
 /// Everything the interface knows. Panels read it; [`ViewerState::apply`] and [`ViewerState::receive`] change it.
@@ -47,6 +47,8 @@ pub struct ViewerState {
     pub placing: Option<Thing>,
     /// How the view is looked at.
     pub viewing: Viewing,
+    /// Sizes of the panels.
+    pub sizes: PanelSizes,
     /// How closely the view is looked at.
     pub looking: Looking,
     /// What covers the page.
@@ -265,6 +267,7 @@ impl ViewerState {
             posing: Posing::default(),
             placing: None,
             viewing: Viewing::default(),
+            sizes: PanelSizes::default(),
             looking: Looking::default(),
             overlay: Overlay::None,
             tour: None,

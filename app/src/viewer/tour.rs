@@ -57,8 +57,7 @@ pub(super) enum Target {
 }
 
 impl Stop {
-    pub(super) const ALL: [Self; 6] =
-        [Self::Cloud, Self::Fit, Self::Grasps, Self::Comfort, Self::Motion, Self::Yours];
+    pub(super) const ALL: [Self; 6] = [Self::Cloud, Self::Fit, Self::Grasps, Self::Comfort, Self::Motion, Self::Yours];
 
     pub(super) fn target(self) -> Target {
         match self {
@@ -97,11 +96,16 @@ impl Stop {
         match self {
             Self::Cloud => {
                 let points = state.outputs.scene.as_ref().map_or(0, |scene| scene.cloud.points.len());
-                format!("A depth camera looks at the table once: {} points, and nothing else is known.", format::count(points))
+                format!(
+                    "A depth camera looks at the table once: {} points, and nothing else is known.",
+                    format::count(points)
+                )
             }
-            Self::Fit => "Each cluster gets a superquadric: eleven numbers that say where the object is, how big, and how it \
+            Self::Fit => {
+                "Each cluster gets a superquadric: eleven numbers that say where the object is, how big, and how it \
                           goes on where nobody looked."
-                .to_owned(),
+                    .to_owned()
+            }
             Self::Grasps => {
                 let count = state.outputs.candidates().len();
                 let accepted = state.outputs.candidates().iter().filter(|grasp| grasp.is_accepted()).count();
@@ -118,11 +122,15 @@ impl Stop {
             Self::Motion => {
                 let duration_s = state.duration_s();
                 let length = if duration_s > 0.0 { format!("{duration_s:.1} seconds long, ") } else { String::new() };
-                format!("The first grasp that works becomes a motion: {length}within every joint's limits, touching nothing.")
+                format!(
+                    "The first grasp that works becomes a motion: {length}within every joint's limits, touching nothing."
+                )
             }
-            Self::Yours => "Drag an object, the goal or a hand of the robot, and everything follows. Drop a cloud of your own. \
+            Self::Yours => {
+                "Drag an object, the goal or a hand of the robot, and everything follows. Drop a cloud of your own. \
                             Ctrl K finds the rest."
-                .to_owned(),
+                    .to_owned()
+            }
         }
     }
 }

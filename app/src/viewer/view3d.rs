@@ -15,8 +15,8 @@ use super::region_drag::RegionDrag;
 use super::state::Step;
 use super::theme::{SECONDARY, Tokens, font};
 use super::{
-    Command, GraspCommand, HandoverCommand, LookCommand, Pick, Picture, PlaceCommand, PoseCommand, ReachCommand, Studio, Thing, Tone, Turning,
-    ViewCommand, ViewEffect, ViewKey, ViewerState, flying, legends, measuring,
+    Command, GraspCommand, HandoverCommand, LookCommand, Pick, Picture, PlaceCommand, PoseCommand, ReachCommand,
+    Studio, Thing, Tone, Turning, ViewCommand, ViewEffect, ViewKey, ViewerState, flying, legends, measuring, tips,
 };
 use crate::render::{Bounds, BoundsCache, Camera, Cut, Picker, Quality, Renderer, Target, Theme, View};
 
@@ -430,6 +430,9 @@ impl View3d {
         }
         if state.hover.cluster != cluster {
             commands.push(Command::HoverCluster(cluster));
+        }
+        if let Some(tip) = tips::of(pick, state).filter(|_| state.presentation.is_none()) {
+            let _shown = response.clone().on_hover_ui_at_pointer(|ui| tips::draw(ui, &tip));
         }
         if state.looking.measured.is_some() {
             if let Some(hit) = hit.filter(|_| response.clicked()) {

@@ -32,6 +32,6 @@ pub use hand_description::{HAND_VERSION, HandDescription, HandError, HandFrame, 
 pub use model::{
     Arm, CollisionBody, Geometry, Hand, Joint, JointKind, JointLimit, Link, Material, Mimic, Robot, Visual,
 };
-pub use start::StartError;
 pub use srdf::{apply_srdf, load_robot};
+pub use start::StartError;
 pub use urdf::{DEFAULT_SECONDS_TO_ACCELERATION, DEFAULT_SECONDS_TO_TOP_SPEED, Resolve, read_urdf};

@@ -2,6 +2,7 @@
 
 mod cloud_menu;
 mod drop_zone;
+mod edges;
 mod fit;
 mod gallery;
 mod grasps;
@@ -74,6 +75,9 @@ pub fn draw_panels(ui: &mut Ui, state: &ViewerState) -> Vec<Command> {
             panel(ui, "Inspector", rect, vec2(14.0, 12.0), |ui| inspector::draw(ui, state, &mut out));
         }
         panel(ui, "Timeline", layout.timeline, vec2(14.0, 8.0), |ui| timeline::draw(ui, state, &mut out));
+    }
+    if state.presentation.is_none() {
+        edges::draw(ui, &layout, &mut out);
     }
     toasts::draw(ui, state, &layout, &mut out);
     match state.overlay {

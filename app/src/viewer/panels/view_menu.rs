@@ -6,14 +6,14 @@ use super::Out;
 use crate::render::{Cut, Named, Projection};
 use crate::viewer::fields::menu_row;
 use crate::viewer::icons::Icon;
-use crate::viewer::widgets::{hairline, icon_button, segmented_wide, switch};
 use crate::viewer::slider::slider;
+use crate::viewer::widgets::{hairline, icon_button, segmented_wide, switch};
 use crate::viewer::{Command, LookCommand, Turning, ViewCommand, ViewerState};
 
 /// Along each axis, from where to where a cut can be moved, and where it is at first, metres: the workspace.
 const CUT_M: [[f64; 3]; 3] = [[-0.8, 1.6, 0.5], [-1.4, 1.4, 0.0], [0.0, 2.0, 0.8]];
 /// Widths of the menu, points.
-const WIDTH: f32 = 252.0;
+const WIDTH: f32 = 304.0;
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     let response = icon_button(ui, Icon::Frame, "View", true, false);

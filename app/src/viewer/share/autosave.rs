@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::content::session_json;
 use super::{Opened, read_session};
 use crate::clock;
-use crate::host::Store;
+use crate::host::{Entry, Store};
 use crate::render::Camera;
 use crate::viewer::{Demo, ViewerState};
 
@@ -54,7 +54,7 @@ impl Autosave {
         let is_short = |text: &String| text.len() <= MAX_CHARACTERS;
         let whole = fits.then(|| record(state, camera, true)).flatten().filter(is_short);
         let text = whole.or_else(|| record(state, camera, false).filter(is_short));
-        match text.map(|text| store.write(&text)) {
+        match text.map(|text| store.write(Entry::Session, &text)) {
             Some(Ok(())) => {}
             Some(Err(reason)) => log::warn!("what is open is not kept for the next visit: {reason}"),
             None => log::warn!("what is open is not kept for the next visit: it is too large"),
@@ -74,12 +74,12 @@ fn record(state: &ViewerState, camera: Camera, with_cloud: bool) -> Option<Strin
 impl Offer {
     /// What the store holds, if it can be opened; what is wrong or old is dropped with a line in the log.
     pub(in crate::viewer) fn read(store: &mut dyn Store, demos: &[Demo]) -> Option<Self> {
-        let text = store.read()?;
+        let text = store.read(Entry::Session)?;
         match Self::parse(&text, demos, clock::unix_s()) {
             Ok(offer) => Some(offer),
             Err(reason) => {
                 log::warn!("what was kept from the last visit is dropped: {reason}");
-                store.forget();
+                store.forget(Entry::Session);
                 None
             }
         }

@@ -1,5 +1,6 @@
 //! Links and sessions of the real demos, there and back.
 
+use crate::host::{Entry, Store};
 use std::sync::Arc;
 
 use endcomfort_core::job::{DroppedCloud, SetShape};
@@ -269,17 +270,17 @@ struct Shelf {
     text: Option<String>,
 }
 
-impl crate::host::Store for Shelf {
-    fn read(&self) -> Option<String> {
-        self.text.clone()
+impl Store for Shelf {
+    fn read(&self, entry: Entry) -> Option<String> {
+        self.text.clone().filter(|_| entry == Entry::Session)
     }
 
-    fn write(&mut self, text: &str) -> Result<(), String> {
+    fn write(&mut self, _entry: Entry, text: &str) -> Result<(), String> {
         self.text = Some(text.to_owned());
         Ok(())
     }
 
-    fn forget(&mut self) {
+    fn forget(&mut self, _entry: Entry) {
         self.text = None;
     }
 }

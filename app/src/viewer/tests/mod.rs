@@ -8,6 +8,7 @@ mod handing;
 mod invented;
 mod lab;
 mod looking;
+mod panels;
 mod pictures;
 mod placing;
 mod plans;
