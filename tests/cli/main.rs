@@ -321,6 +321,33 @@ fn render_draws_a_demo_at_a_moment_with_the_robot_in_view() {
 }
 
 #[test]
+fn render_looks_closely_at_a_robot_that_somebody_posed() {
+    let draw = |name: &str, more: &[&str]| {
+        let path = scratch(name).to_string_lossy().into_owned();
+        let output = endcomfort(&[&["render", "jar", "--size", "480x300", "--out", &path], more].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        (image::open(&path).unwrap().to_rgba8(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (usual, _) = draw("usual.png", &[]);
+    for (name, more) in [
+        ("cut.png", &["--cut", "x<0.5"][..]),
+        ("height.png", &["--color-by", "height", "--point-size", "5"]),
+        ("posed.png", &["--joint", "left_joint_1=60"]),
+    ] {
+        let (other, said) = draw(name, more);
+        let changed = usual.pixels().zip(other.pixels()).filter(|(a, b)| a != b).count();
+        assert!(changed > 1500, "{more:?} changed only {changed} pixels");
+        assert_eq!(said.contains("Height, viridis from"), name == "height.png", "{said}");
+    }
+    for (joint, said) in [("left_joint_1=999", "its limits are"), ("tail=1", "no joint \"tail\"")] {
+        let output = endcomfort(&["plan", "place", "jar", "--joint", joint]);
+        assert_eq!(output.status.code(), Some(1));
+        assert!(String::from_utf8_lossy(&output.stderr).contains(said), "{joint}");
+    }
+    assert_eq!(endcomfort(&["render", "jar", "--cut", "w<1", "--out", "x.png"]).status.code(), Some(2));
+}
+
+#[test]
 fn fit_takes_every_objective_and_a_reference_and_tells_its_history() {
     let folder = scratch("fitted");
     json(&["segment", "mustard", "--json", "--out", &folder.to_string_lossy()]);

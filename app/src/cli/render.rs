@@ -6,6 +6,7 @@ use clap::ValueEnum;
 use endcomfort_core::job::Output;
 
 use super::{Common, Failure, input, look_options, reach_options, start_options};
+use crate::compose::cloud_scale;
 use crate::figures::{Picture, PictureSettings};
 use crate::render::Theme;
 use crate::{assets, jobs};
@@ -69,6 +70,11 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
             return Err(Failure::new("there is nothing to draw"));
         }
     }
+    let cloud = outputs.iter().find_map(|output| if let Output::Scene(cloud) = output { Some(cloud) } else { None });
+    let look = args.look.cloud_look();
+    if let Some(scale) = cloud.and_then(|cloud| cloud_scale(cloud, look.by)) {
+        eprintln!("colours: {}, viridis from {:.3} m to {:.3} m", look.by.title(), scale.min, scale.max);
+    }
     let settings = PictureSettings {
         size_px: args.size,
         camera: args.camera.map(|[x, y, z, tx, ty, tz]| ([x, y, z], [tx, ty, tz])),
@@ -81,7 +87,7 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
         cut: args.look.cut(),
         reach: args.reach.picture(&request.scene)?,
     };
-    let image = Picture { scene: &request.scene, robot: &robot, outputs: &outputs, cloud_look: args.look.cloud_look() }
+    let image = Picture { scene: &request.scene, robot: &robot, outputs: &outputs, cloud_look: look }
         .draw(&settings)
         .map_err(|error| Failure::new(error.to_string()))?;
     image.save(&args.out).map_err(|error| Failure::new(format!("{}: {error}", args.out.display())))?;
