@@ -1,9 +1,10 @@
 //! A plane that takes away what lies on one side of it, to look into things.
 
 use nalgebra::{Point3, Vector3};
+use serde::{Deserialize, Serialize};
 
 /// A plane across an axis of the world.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Cut {
     /// x, y or z.
     pub axis: usize,

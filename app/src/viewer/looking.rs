@@ -41,7 +41,7 @@ impl CloudColor {
 }
 
 /// How the points of the cloud are drawn.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CloudLook {
     /// What colours them.
     pub by: CloudColor,

@@ -4,7 +4,7 @@ use super::{Effect, ViewerState};
 use crate::render::{Camera, Named, Projection};
 
 /// Views that are kept at most.
-const MOST_KEPT: usize = 20;
+pub(super) const MOST_KEPT: usize = 20;
 
 /// How a drag turns the camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -95,6 +95,14 @@ pub enum ViewEffect {
     GoTo(Camera),
     /// Say where the camera stands.
     Keep,
+}
+
+impl Viewing {
+    /// Keeps these views instead of those that were kept.
+    pub(super) fn keep(&mut self, cameras: &[Camera]) {
+        self.kept = (1..).zip(cameras).map(|(id, &camera)| KeptView { id, camera }).collect();
+        self.newest = self.newest.max(cameras.len() as u32);
+    }
 }
 
 impl ViewerState {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Opened, ShareError, SharedView, content, read_session};
 use crate::viewer::state::Step;
-use crate::viewer::{Command, Effect, Outputs, Overlay, ViewEffect, ViewerState};
+use crate::viewer::{Command, Effect, Looking, Outputs, Overlay, ViewEffect, ViewerState};
 
 impl ViewerState {
     /// Opens a link or a session: the pipeline runs, and what it was looked at with stands when the plan does.
@@ -24,6 +24,9 @@ impl ViewerState {
         }
         self.demo = demo;
         self.layers = view.layers();
+        self.posing.is_open = false;
+        self.looking = Looking { cloud: view.points.unwrap_or_default(), cut: view.cut, measured: None };
+        self.viewing.keep(&view.kept);
         // In somebody else's page there is no inspector, and the examined fit would cover the plan.
         if let Some(step) = view.step().filter(|_| !self.is_embedded) {
             effects.extend(self.apply(Command::SelectStep(step)));

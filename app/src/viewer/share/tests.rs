@@ -1,6 +1,5 @@
 //! Links and sessions of the real demos, there and back.
 
-use crate::host::{Entry, Store};
 use std::sync::Arc;
 
 use endcomfort_core::job::{DroppedCloud, SetShape};
@@ -11,9 +10,10 @@ use serde_json::{Value, json};
 use super::packing::{MAX_UNPACKED_BYTES, pack, unpack};
 use super::*;
 use crate::assets;
-use crate::render::Camera;
+use crate::host::{Entry, Store};
+use crate::render::{Camera, Cut};
 use crate::viewer::state::Step;
-use crate::viewer::{Command, Demo, Document, Layer, ViewerState};
+use crate::viewer::{CloudLook, Command, Demo, Document, Layer, LookCommand, ViewCommand, ViewerState};
 
 /// What any chat program, mail and issue tracker takes, characters.
 const SHORT: usize = 2000;
@@ -282,5 +282,31 @@ impl Store for Shelf {
 
     fn forget(&mut self, _entry: Entry) {
         self.text = None;
+    }
+}
+
+#[test]
+fn kept_views_the_cut_and_the_look_of_points_travel_and_wrong_ones_are_named() {
+    let mut state = with_demo("jar");
+    let camera = moved_camera();
+    let _said = state.apply(Command::View(ViewCommand::KeepCamera(camera)));
+    let cut = Cut { axis: 0, at_m: 0.45, keeps_above: false };
+    let _cut = state.apply(Command::Look(LookCommand::Cut(Some(cut))));
+    let _size = state.apply(Command::Look(LookCommand::PointSize(4.0)));
+    let link = link_text(&state, Some(camera)).unwrap();
+    assert!(link.len() < 2000, "{} characters", link.len());
+    let opened = read_link(&link, &state.demos).unwrap();
+    let mut other = with_demo("mustard");
+    let _effects = other.apply(Command::OpenShared(Box::new(opened.clone())));
+    assert_eq!(other.looking, state.looking);
+    assert_eq!(other.viewing.kept.len(), 1);
+    assert!((other.viewing.kept[0].camera.target - camera.target).norm() < 1e-6);
+    for wrong in [
+        SharedView { cut: Some(Cut { axis: 7, ..cut }), ..opened.view.clone() },
+        SharedView { kept: vec![Camera { distance_m: -1.0, ..camera }], ..opened.view.clone() },
+        SharedView { points: Some(CloudLook { diameter_m: 9.0, ..CloudLook::default() }), ..opened.view.clone() },
+    ] {
+        let error = wrong.checked().unwrap_err().to_string();
+        assert!(error.contains("view."), "{error}");
     }
 }

@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::ShareError;
-use crate::render::Camera;
+use crate::render::{Camera, Cut};
 use crate::viewer::state::Step;
-use crate::viewer::{Layer, LayerView, Layers, ViewerState};
+use crate::viewer::viewing::MOST_KEPT;
+use crate::viewer::{CloudLook, Layer, LayerView, Layers, ViewerState};
 
 /// Lengths and angles of a camera are shared to this fraction of a metre or a radian: far below a pixel.
 const CAMERA_STEPS: f64 = 1e6;
@@ -17,6 +18,8 @@ const TIME_STEPS: f64 = 1e4;
 const MAX_DISTANCE_M: f64 = 500.0;
 /// The longest moment that is sought, seconds.
 const MAX_TIME_S: f64 = 1e6;
+/// Diameters of points, metres.
+const DIAMETER_M: [f64; 2] = [1e-4, 0.05];
 /// Fields of view that draw something, rad.
 const FIELD_RAD: [f64; 2] = [0.01, 3.0];
 
@@ -41,6 +44,15 @@ pub struct SharedView {
     /// Layers that are shown otherwise than at first.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub layers: BTreeMap<Layer, LayerView>,
+    /// How points are drawn, if otherwise than at first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub points: Option<CloudLook>,
+    /// What is taken away.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cut: Option<Cut>,
+    /// Views that were kept.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub kept: Vec<Camera>,
 }
 
 impl SharedView {
@@ -55,6 +67,9 @@ impl SharedView {
             grasp: state.selection.grasp,
             cluster: state.selection.cluster,
             layers: layers.filter(|(layer, view)| usual.get(*layer) != *view).collect(),
+            points: Some(state.looking.cloud).filter(|look| *look != CloudLook::default()),
+            cut: state.looking.cut,
+            kept: state.viewing.kept.iter().map(|kept| rounded(kept.camera)).collect(),
         }
     }
 
@@ -95,7 +110,15 @@ impl SharedView {
                 wanted: Step::ALL.map(Step::title).join(", ").to_lowercase(),
             });
         }
-        if let Some(camera) = &mut self.camera {
+        if let Some(points) = &self.points {
+            range("points.diameter_m", f64::from(points.diameter_m), DIAMETER_M)?;
+        }
+        if let Some(cut) = &self.cut {
+            range("cut.axis", cut.axis as f64, [0.0, 2.0])?;
+            range("cut.at_m", cut.at_m, [-MAX_DISTANCE_M, MAX_DISTANCE_M])?;
+        }
+        range("kept", self.kept.len() as f64, [0.0, MOST_KEPT as f64])?;
+        for camera in self.camera.iter_mut().chain(&mut self.kept) {
             for (index, at) in camera.target.iter().enumerate() {
                 range(&format!("camera.target[{index}]"), *at, [-MAX_DISTANCE_M, MAX_DISTANCE_M])?;
             }
