@@ -1,25 +1,28 @@
-//! `render`: one picture of a demo, a scene or a cloud, without a window.
+//! `render`: a picture, an animation or the bodies of a demo, a scene or a cloud, without a window.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use endcomfort_core::job::Output;
+use endcomfort_core::job::{Output, Stage};
 
-use super::{Common, Failure, input, reach_options};
-use crate::figures::{Picture, PictureSettings};
-use crate::render::Theme;
+use super::{Common, Failure, film_options, input, reach_options};
+use crate::figures::{Picture, PictureSettings, Shooting};
+use crate::render::{MAX_SIDE_PX, Theme, check_scale, check_size};
 use crate::{assets, jobs};
 
 #[derive(clap::Args)]
 pub(super) struct Args {
     /// A demo, a scene file or a cloud file.
     scene: String,
-    /// The PNG file.
-    #[arg(long)]
-    out: PathBuf,
+    /// The file: a picture (.png), or everything that it shows as bodies, points and lines (.glb).
+    #[arg(long, value_parser = picture_file, required_unless_present = "animation", conflicts_with = "animation")]
+    out: Option<PathBuf>,
     /// Width and height in pixels.
     #[arg(long, default_value = "1440x900", value_parser = size)]
     size: [u32; 2],
+    /// Pixels per point: how thick lines and points are.
+    #[arg(long, default_value_t = 1.0)]
+    scale: f32,
     /// Where the camera stands and looks: x,y,z,tx,ty,tz in metres.
     #[arg(long, value_parser = input::numbers::<6>, allow_hyphen_values = true)]
     camera: Option<[f64; 6]>,
@@ -35,6 +38,8 @@ pub(super) struct Args {
     /// Robot, instead of the scene's own.
     #[arg(long)]
     robot: Option<String>,
+    #[command(flatten)]
+    film: film_options::Options,
     #[command(flatten)]
     reach: reach_options::Options,
 }
@@ -52,9 +57,20 @@ fn size(text: &str) -> Result<[u32; 2], String> {
         .ok_or_else(|| format!("found {text:?}, wanted WIDTHxHEIGHT, as in 1440x900"))
 }
 
+fn picture_file(text: &str) -> Result<PathBuf, String> {
+    let file = PathBuf::from(text);
+    match ["png", "glb"].iter().any(|extension| has_extension(&file, extension)) {
+        true => Ok(file),
+        false => Err("wanted a file that ends in .png or .glb".to_owned()),
+    }
+}
+
 pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
     let request = input::request(&args.scene, args.robot.as_deref(), common)?;
-    let last = if args.time.is_some() { endcomfort_core::job::Stage::Plan } else { endcomfort_core::job::Stage::Rank };
+    check_size(args.size, MAX_SIDE_PX).map_err(|error| Failure::new(format!("--size: {error}")))?;
+    check_scale(args.scale).map_err(|error| Failure::new(format!("--scale: {error}")))?;
+    let moves = args.time.is_some() || args.film.animation.is_some();
+    let last = if moves { Stage::Plan } else { Stage::Rank };
     let robot = assets::library().robot_of(&request.scene).map_err(|error| Failure::new(error.to_string()))?;
     // A picture of a scene that cannot be planned still shows what was found on the way.
     let (outputs, refusal) = jobs::run_as_far_as_possible(&request, last);
@@ -66,8 +82,8 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
     }
     let settings = PictureSettings {
         size_px: args.size,
+        scale: args.scale,
         camera: args.camera.map(|[x, y, z, tx, ty, tz]| ([x, y, z], [tx, ty, tz])),
-        time_s: args.time,
         transparent: args.transparent,
         theme: match args.theme {
             ThemeName::Dark => Theme::Dark,
@@ -75,10 +91,25 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
         },
         reach: args.reach.picture(&request.scene)?,
     };
-    let image = Picture { scene: &request.scene, robot: &robot, outputs: &outputs }
-        .draw(&settings)
-        .map_err(|error| Failure::new(error.to_string()))?;
-    image.save(&args.out).map_err(|error| Failure::new(format!("{}: {error}", args.out.display())))?;
-    eprintln!("wrote {} ({} × {} pixels)", args.out.display(), args.size[0], args.size[1]);
+    let picture = Picture { scene: &request.scene, robot: &robot, outputs: &outputs };
+    match (&args.out, &args.film.animation) {
+        (Some(file), _) if has_extension(file, "glb") => {
+            let bytes = picture.glb(&settings, args.time).map_err(Failure::new)?;
+            std::fs::write(file, &bytes).map_err(|error| Failure::new(format!("{}: {error}", file.display())))?;
+            eprintln!("wrote {} ({} bytes)", file.display(), bytes.len());
+        }
+        (Some(file), _) => {
+            let shot = Shooting::new(picture, &settings).and_then(|mut shooting| shooting.shoot(args.time));
+            let image = shot.map_err(|error| Failure::new(error.to_string()))?;
+            image.save(file).map_err(|error| Failure::new(format!("{}: {error}", file.display())))?;
+            eprintln!("wrote {} ({} × {} pixels)", file.display(), args.size[0], args.size[1]);
+        }
+        (None, Some(file)) => args.film.record(picture, &settings, file)?,
+        (None, None) => {}
+    }
     Ok(())
+}
+
+fn has_extension(file: &Path, extension: &str) -> bool {
+    file.extension().is_some_and(|found| found.eq_ignore_ascii_case(extension))
 }

@@ -7,7 +7,8 @@ use image::RgbaImage;
 use nalgebra::Point3;
 
 use crate::compose::{Composer, ReachContent};
-use crate::render::{Camera, Offscreen, OffscreenError, Theme, View};
+use crate::export::glb_scene;
+use crate::render::{Camera, Frame, Offscreen, OffscreenError, Quality, Theme, View};
 use crate::viewer::{Layer, Layers, ReachView};
 
 pub use crate::compose::Picture;
@@ -19,8 +20,8 @@ pub struct PictureSettings {
     pub size_px: [u32; 2],
     /// Eye and target in the world, metres; the usual view without.
     pub camera: Option<([f64; 3], [f64; 3])>,
-    /// Time in the plan, seconds; without it the robot stands in its start posture.
-    pub time_s: Option<f64>,
+    /// Pixels per point: how thick lines and points are.
+    pub scale: f32,
     /// No background.
     pub transparent: bool,
     /// Colours.
@@ -45,24 +46,61 @@ impl ReachPicture {
 }
 
 impl Picture<'_> {
-    /// Draws the picture.
+    /// Everything that a picture at a time of the plan shows, as a GLB; without a time the robot stands in its start
+    /// posture.
     ///
     /// # Errors
-    /// [`OffscreenError`] when there is no graphics adapter or the size is beyond its limit.
-    pub fn draw(&self, settings: &PictureSettings) -> Result<RgbaImage, OffscreenError> {
+    /// A sentence when there is nothing to write, or when the file would be too large.
+    pub fn glb(&self, settings: &PictureSettings, time_s: Option<f64>) -> Result<Vec<u8>, String> {
+        glb_scene(&self.compose(&mut Composer::default(), settings, time_s))
+    }
+
+    fn compose(&self, composer: &mut Composer, settings: &PictureSettings, time_s: Option<f64>) -> Frame {
         let mut layers = Layers::default();
         layers.get_mut(Layer::Reach).visible = settings.reach.is_some();
-        let mut composer = Composer::default();
         let reach = settings.reach.as_ref().map(ReachPicture::content);
-        let frame = self.frame(&mut composer, settings.time_s, settings.theme, &layers, reach);
+        self.frame(composer, time_s, settings.theme, &layers, reach)
+    }
+}
+
+/// Takes pictures of one scene, as many as are wanted, without a window.
+pub struct Shooting<'a> {
+    picture: Picture<'a>,
+    settings: &'a PictureSettings,
+    composer: Composer,
+    offscreen: Offscreen,
+}
+
+impl<'a> Shooting<'a> {
+    /// Opens the graphics adapter.
+    ///
+    /// # Errors
+    /// [`OffscreenError`] when there is none.
+    pub fn new(picture: Picture<'a>, settings: &'a PictureSettings) -> Result<Self, OffscreenError> {
+        Ok(Self { picture, settings, composer: Composer::default(), offscreen: Offscreen::new()? })
+    }
+
+    /// How finely the next pictures are lit; [`Quality::Figure`] at first.
+    pub fn set_quality(&mut self, quality: Quality) {
+        self.offscreen.set_quality(quality);
+    }
+
+    /// Draws the picture at a time of the plan, seconds; without a time the robot stands in its start posture.
+    ///
+    /// # Errors
+    /// [`OffscreenError`] when the size or the scale is beyond its limit.
+    pub fn shoot(&mut self, time_s: Option<f64>) -> Result<RgbaImage, OffscreenError> {
+        let settings = self.settings;
+        let frame = self.picture.compose(&mut self.composer, settings, time_s);
         let mut camera = Camera::default();
         if let Some((eye, target)) = settings.camera {
             camera = looking(eye.into(), target.into());
-        } else if let (_, Some(bounds)) = composer.reach_drawn() {
+        } else if let (_, Some(bounds)) = self.composer.reach_drawn() {
             camera.frame(&bounds, settings.size_px.map(f64::from));
         }
-        let view = View { transparent: settings.transparent, ..View::new(camera, settings.theme, settings.size_px) };
-        Offscreen::new()?.render(&frame, &view)
+        let mut view = View::new(camera, settings.theme, settings.size_px);
+        (view.transparent, view.pixels_per_point) = (settings.transparent, settings.scale);
+        self.offscreen.render(&frame, &view)
     }
 }
 

@@ -9,8 +9,8 @@ use endcomfort_core::scene::ArmChoice;
 
 use super::state::{Step, ThemeChoice};
 use super::{
-    Command, GraspCommand, LabCommand, Layer, Overlay, PlaceCommand, PlanCommand, ReachCommand, Thing, Turning,
-    ViewCommand, ViewerState,
+    Command, GraspCommand, LabCommand, Layer, Overlay, PictureCommand, PlaceCommand, PlanCommand, ReachCommand, Thing,
+    Turning, ViewCommand, ViewerState,
 };
 use crate::export::MotionFormat;
 use crate::render::{Named, Projection};
@@ -160,6 +160,7 @@ pub(super) fn with_keys(state: &ViewerState) -> Vec<Action> {
             Command::Present(!is_presented),
         )
         .key("P", Key::P),
+        Action::new(Page, "Save a picture or an animation…", toggled(Overlay::Picture)).key("I", Key::I),
         Action::new(Page, "All demos", toggled(Overlay::Gallery)).key("G", Key::G),
         Action::new(Page, "Keys and gestures", toggled(Overlay::Help)).key("?", Key::Questionmark),
         Action::new(Page, "Close what is on top", Command::Escape).key("Esc", Key::Escape),
@@ -222,7 +223,11 @@ pub(super) fn without_keys(state: &ViewerState) -> Vec<Action> {
     actions.push(Action::new(Scene, "Open a file…", Command::PickFile));
     actions.push(Action::new(Export, "Save the session", Command::SaveSession));
     actions.push(Action::new(Export, "Save the scene", Command::SaveScene));
-    actions.push(Action::new(Export, "Save a picture of the view", Command::Screenshot));
+    actions.push(Action::new(
+        Export,
+        "Save what the view shows as a 3D scene (GLB)",
+        Command::Picture(PictureCommand::SaveScene),
+    ));
     for format in ExportFormat::ALL {
         let title = format!("Save the ranked grasps as {}", format.extension().to_uppercase());
         let action = Action::new(Export, title, Command::Grasping(GraspCommand::Export(format)));

@@ -11,8 +11,8 @@ use endcomfort_core::task::Plan;
 use super::goal_drag::GoalDrag;
 use super::state::{IkChoice, Presentation, Side, StageState, Step, ThemeChoice};
 use super::{
-    Document, GraspCommand, HandoverCommand, LabCommand, Layer, Opened, Overlay, PlaceCommand, PlanCommand, Playback,
-    ReachCommand, ViewCommand, ViewEffect, ViewerState, playback, share,
+    Document, GraspCommand, HandoverCommand, LabCommand, Layer, Opened, Overlay, PictureCommand, PictureEffect,
+    PlaceCommand, PlanCommand, Playback, ReachCommand, Saved, ViewCommand, ViewEffect, ViewerState, playback, share,
 };
 use crate::export::MotionFormat;
 use crate::render::Camera;
@@ -102,8 +102,10 @@ pub enum Command {
     Place(PlaceCommand),
     /// Moves the camera.
     View(ViewCommand),
-    /// Saves a picture of the view.
-    Screenshot,
+    /// Saves what the view shows.
+    Picture(PictureCommand),
+    /// Saves a table or a plot.
+    Save(Saved),
     /// Copies a link to this view.
     Share,
     /// Opens what a link or a session holds.
@@ -129,8 +131,8 @@ pub enum Effect {
     Cancel,
     /// Move the camera.
     View(ViewEffect),
-    /// Save a picture of the view.
-    Screenshot,
+    /// Take a picture of the view, or many.
+    Picture(PictureEffect),
     /// Bring a file of a reachability map: `maps/alita_left.reach`.
     FetchMap(String),
     /// Hand a file to the person.
@@ -293,7 +295,8 @@ impl ViewerState {
             Command::Escape => return self.escape(),
             Command::Place(command) => return self.apply_place(command),
             Command::View(command) => return self.apply_view(command),
-            Command::Screenshot => return vec![Effect::Screenshot],
+            Command::Picture(command) => return self.apply_picture(command),
+            Command::Save(saved) => return self.save(saved),
             Command::Share => return vec![Effect::Share],
             Command::OpenShared(opened) => return self.open_shared(*opened),
             Command::Restore => return self.restore(),

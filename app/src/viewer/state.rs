@@ -7,8 +7,8 @@ use endcomfort_core::job::{Refusal, Stage};
 
 use super::document::History;
 use super::{
-    ComposeInput, Demo, Document, Grasping, Lab, Layers, Offer, Outputs, Planning, Playback, Posture, Reaching,
-    RobotChoice, SharedView, TableView, Thing, ViewKey, Viewing,
+    ComposeInput, Demo, Document, Grasping, Lab, Layers, Offer, Outputs, Picturing, Planning, Playback, Posture,
+    Reaching, RobotChoice, SharedView, TableView, Thing, ViewKey, Viewing,
 };
 
 /// Everything the interface knows. Panels read it; [`ViewerState::apply`] and [`ViewerState::receive`] change it.
@@ -45,6 +45,8 @@ pub struct ViewerState {
     pub placing: Option<Thing>,
     /// How the view is looked at.
     pub viewing: Viewing,
+    /// Pictures and animations of the view.
+    pub picturing: Picturing,
     /// What covers the page.
     pub overlay: Overlay,
     /// The presentation without panels, while it runs.
@@ -195,6 +197,8 @@ pub enum Overlay {
     Help,
     /// Everything that can be done, to be looked for by its name.
     Palette,
+    /// The window that saves what the view shows.
+    Picture,
 }
 
 /// The view alone, with captions; what it changed is put back at its end.
@@ -258,6 +262,7 @@ impl ViewerState {
             reaching: Reaching::default(),
             placing: None,
             viewing: Viewing::default(),
+            picturing: Picturing::default(),
             overlay: Overlay::None,
             presentation: None,
             drawer: None,

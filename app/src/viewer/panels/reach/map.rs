@@ -4,8 +4,10 @@ use egui::{Align, Rect, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 use endcomfort_core::job::MapMethod;
 
 use super::explain;
+use crate::export::TableKind;
 use crate::viewer::number::{Number, number_row};
 use crate::viewer::panels::Out;
+use crate::viewer::panels::save_menu::saved_section;
 use crate::viewer::reach::ARMS;
 use crate::viewer::theme::{SECONDARY, Tokens, font};
 use crate::viewer::widgets::{
@@ -21,7 +23,10 @@ const MILLION: f64 = 1e6;
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     for (arm, name) in ARMS.iter().enumerate().filter(|(arm, _)| state.reaching.view.arms.needs(*arm)) {
-        section(ui, &format!("{name} arm"));
+        match state.reaching.map(arm) {
+            Some(_) => saved_section(ui, &format!("{name} arm"), TableKind::Voxels, None, out),
+            None => section(ui, &format!("{name} arm")),
+        }
         match state.reaching.slot(arm) {
             Slot::Here(shown) => facts(ui, arm, shown, out),
             Slot::Missing(reason) => {

@@ -1,0 +1,168 @@
+//! What the application does with pictures and animations: one picture after the other, between two frames of the window.
+
+use egui::Context;
+use endcomfort_core::job::Stage;
+use image::RgbaImage;
+
+use super::photographer::Photographer;
+use super::{App, Command, PictureCommand, PictureEffect, Posture, Shot};
+use crate::export::{Clip, Recorder, glb_scene, png_bytes};
+use crate::render::{Camera, Quality};
+
+/// The picture or the animation under way.
+#[derive(Default)]
+pub(super) struct Pictures {
+    photographer: Photographer,
+    wanted: Option<Wanted>,
+}
+
+enum Wanted {
+    /// A picture, and the name of its file.
+    Picture(String),
+    Film(Box<Film>),
+}
+
+/// An animation under way. The camera stays where it stood when the animation began.
+struct Film {
+    recorder: Recorder,
+    shot: Shot,
+    camera: Camera,
+    name: String,
+    /// Revision of the plan that it shows.
+    revision: Option<u64>,
+}
+
+impl App {
+    pub(super) fn picture(&mut self, ctx: &Context, effect: PictureEffect) {
+        match effect {
+            PictureEffect::Take(shot) => self.take_picture(ctx, shot),
+            PictureEffect::Film(shot, clip) => self.begin_film(ctx, shot, clip),
+            PictureEffect::Stop => self.stop_pictures(),
+            PictureEffect::SaveScene => self.save_bodies(ctx),
+        }
+    }
+
+    fn stop_pictures(&mut self) {
+        self.pictures.wanted = None;
+        self.pictures.photographer.rest();
+    }
+
+    fn picture_failed(&mut self, ctx: &Context, reason: &str) {
+        self.stop_pictures();
+        let sentence = format!("The picture could not be saved: {reason}.");
+        self.host.announce(&sentence);
+        self.state.say(true, sentence, Vec::new());
+        self.apply(ctx, Command::Picture(PictureCommand::Progress(None)));
+    }
+
+    fn hand_over(&mut self, name: &str, bytes: &[u8]) {
+        let sentence = self.host.save(name, bytes);
+        self.host.announce(&sentence);
+        self.state.say(false, sentence, Vec::new());
+    }
+
+    fn take_picture(&mut self, ctx: &Context, shot: Shot) {
+        let camera = self.view.camera_for(shot.size_px);
+        let picture = self.studio.compose(&self.state.compose_input(shot.dark));
+        match self.pictures.photographer.expose(ctx, &mut self.view, &picture, camera, (&shot, Quality::Figure)) {
+            Ok(()) => {
+                let name = self.state.saved_name(&format!("{:.2}s", self.state.playback.time_s), "png");
+                self.pictures.wanted = Some(Wanted::Picture(name));
+            }
+            Err(error) => self.picture_failed(ctx, &error.to_string()),
+        }
+    }
+
+    fn begin_film(&mut self, ctx: &Context, shot: Shot, clip: Clip) {
+        if self.state.outputs.plan.is_none() {
+            return self.picture_failed(ctx, "there is no plan that could move");
+        }
+        let recorder = match Recorder::new(clip, self.state.duration_s(), shot.size_px, shot.transparent) {
+            Ok(recorder) => recorder,
+            Err(error) => return self.picture_failed(ctx, &error.to_string()),
+        };
+        let name = self.state.saved_name("plan", clip.format.extension());
+        let camera = self.view.camera_for(shot.size_px);
+        let revision = self.state.outputs.revision(Stage::Plan);
+        self.pictures.wanted = Some(Wanted::Film(Box::new(Film { recorder, shot, camera, name, revision })));
+        self.next_frame(ctx);
+    }
+
+    /// Takes the next picture of the animation, or saves it after the last one.
+    fn next_frame(&mut self, ctx: &Context) {
+        let Some(Wanted::Film(film)) = &self.pictures.wanted else { return };
+        if film.revision != self.state.outputs.revision(Stage::Plan) {
+            return self.picture_failed(ctx, "the plan has changed meanwhile");
+        }
+        let progress = Some(film.recorder.progress());
+        let Some(time_s) = film.recorder.wanted_s() else { return self.end_film(ctx) };
+        let Film { shot, mut camera, .. } = **film;
+        let mut input = self.state.compose_input(shot.dark);
+        (input.posture, input.lab) = (Posture::Plan { time_s }, None);
+        let picture = self.studio.compose(&input);
+        if let Some(p_W) = picture.object_W.filter(|_| self.state.playback.follows) {
+            camera.target = p_W;
+        }
+        match self.pictures.photographer.expose(ctx, &mut self.view, &picture, camera, (&shot, Quality::Live)) {
+            Ok(()) => self.apply(ctx, Command::Picture(PictureCommand::Progress(progress))),
+            Err(error) => self.picture_failed(ctx, &error.to_string()),
+        }
+    }
+
+    fn end_film(&mut self, ctx: &Context) {
+        let Some(Wanted::Film(film)) = self.pictures.wanted.take() else { return };
+        self.pictures.photographer.rest();
+        let Film { recorder, name, .. } = *film;
+        match recorder.finish() {
+            Ok(bytes) => {
+                self.hand_over(&name, &bytes);
+                self.apply(ctx, Command::Picture(PictureCommand::Progress(None)));
+            }
+            Err(error) => self.picture_failed(ctx, &error.to_string()),
+        }
+    }
+
+    /// Takes in what has arrived from the GPU.
+    pub(super) fn develop_pictures(&mut self, ctx: &Context) {
+        if !self.pictures.photographer.is_busy() {
+            return;
+        }
+        // The browser's WebGL and native devices have to be asked again.
+        ctx.request_repaint();
+        match self.pictures.photographer.develop(&mut self.view) {
+            None => {}
+            Some(Err(reason)) => self.picture_failed(ctx, &reason),
+            Some(Ok(picture)) => self.developed(ctx, &picture),
+        }
+    }
+
+    fn developed(&mut self, ctx: &Context, picture: &RgbaImage) {
+        match &mut self.pictures.wanted {
+            None => self.pictures.photographer.rest(),
+            Some(Wanted::Film(film)) => match film.recorder.take(picture) {
+                Ok(()) => self.next_frame(ctx),
+                Err(error) => self.picture_failed(ctx, &error.to_string()),
+            },
+            Some(Wanted::Picture(name)) => {
+                let name = std::mem::take(name);
+                self.stop_pictures();
+                match png_bytes(picture) {
+                    Ok(bytes) => self.hand_over(&name, &bytes),
+                    Err(reason) => self.picture_failed(ctx, &reason),
+                }
+            }
+        }
+    }
+
+    /// Saves the bodies, points and lines of the view as a GLB.
+    fn save_bodies(&mut self, ctx: &Context) {
+        let dark = ctx.theme() == egui::Theme::Dark;
+        let picture = self.studio.compose(&self.state.compose_input(dark));
+        match glb_scene(&picture.frame) {
+            Ok(bytes) => self.hand_over(&self.state.saved_name("scene", "glb"), &bytes),
+            Err(reason) => {
+                self.state.say(true, format!("The scene could not be saved: {reason}."), Vec::new());
+            }
+        }
+    }
+}
