@@ -11,7 +11,7 @@ use crate::figures::{Picture, PictureSettings, Shooting};
 use crate::render::Quality;
 
 #[derive(clap::Args)]
-pub(super) struct Options {
+pub(super) struct FilmOptions {
     /// The plan as an animation: a file (.gif, .apng, or .zip with a PNG for every frame), or a folder for the PNGs.
     #[arg(long, conflicts_with = "time")]
     pub(super) animation: Option<PathBuf>,
@@ -26,7 +26,7 @@ pub(super) struct Options {
     to: Option<f64>,
 }
 
-impl Options {
+impl FilmOptions {
     /// Draws every frame and writes them.
     pub(super) fn record(&self, picture: Picture<'_>, settings: &PictureSettings, to: &Path) -> Result<(), Failure> {
         let refuse = |cause: String| Failure::new(format!("{}: {cause}", to.display()));

@@ -39,7 +39,7 @@ pub(super) struct Args {
     #[arg(long)]
     robot: Option<String>,
     #[command(flatten)]
-    film: film_options::Options,
+    film: film_options::FilmOptions,
     #[command(flatten)]
     reach: reach_options::Options,
 }

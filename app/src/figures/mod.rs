@@ -2,7 +2,10 @@
 
 mod fit_pair;
 
+use std::sync::Arc;
+
 use endcomfort_core::reach::ReachMap;
+use endcomfort_core::task::Plan;
 use image::RgbaImage;
 use nalgebra::Point3;
 
@@ -52,20 +55,27 @@ impl Picture<'_> {
     /// # Errors
     /// A sentence when there is nothing to write, or when the file would be too large.
     pub fn glb(&self, settings: &PictureSettings, time_s: Option<f64>) -> Result<Vec<u8>, String> {
-        glb_scene(&self.compose(&mut Composer::default(), settings, time_s))
+        glb_scene(&self.compose(&mut Composer::default(), self.plan().as_ref(), settings, time_s))
     }
 
-    fn compose(&self, composer: &mut Composer, settings: &PictureSettings, time_s: Option<f64>) -> Frame {
+    fn compose(
+        &self,
+        composer: &mut Composer,
+        plan: Option<&Arc<Plan>>,
+        settings: &PictureSettings,
+        time_s: Option<f64>,
+    ) -> Frame {
         let mut layers = Layers::default();
         layers.get_mut(Layer::Reach).visible = settings.reach.is_some();
         let reach = settings.reach.as_ref().map(ReachPicture::content);
-        self.frame(composer, time_s, settings.theme, &layers, reach)
+        self.frame(composer, plan, time_s, settings.theme, &layers, reach)
     }
 }
 
 /// Takes pictures of one scene, as many as are wanted, without a window.
 pub struct Shooting<'a> {
     picture: Picture<'a>,
+    plan: Option<Arc<Plan>>,
     settings: &'a PictureSettings,
     composer: Composer,
     offscreen: Offscreen,
@@ -77,7 +87,8 @@ impl<'a> Shooting<'a> {
     /// # Errors
     /// [`OffscreenError`] when there is none.
     pub fn new(picture: Picture<'a>, settings: &'a PictureSettings) -> Result<Self, OffscreenError> {
-        Ok(Self { picture, settings, composer: Composer::default(), offscreen: Offscreen::new()? })
+        let plan = picture.plan();
+        Ok(Self { picture, plan, settings, composer: Composer::default(), offscreen: Offscreen::new()? })
     }
 
     /// How finely the next pictures are lit; [`Quality::Figure`] at first.
@@ -91,7 +102,7 @@ impl<'a> Shooting<'a> {
     /// [`OffscreenError`] when the size or the scale is beyond its limit.
     pub fn shoot(&mut self, time_s: Option<f64>) -> Result<RgbaImage, OffscreenError> {
         let settings = self.settings;
-        let frame = self.picture.compose(&mut self.composer, settings, time_s);
+        let frame = self.picture.compose(&mut self.composer, self.plan.as_ref(), settings, time_s);
         let mut camera = Camera::default();
         if let Some((eye, target)) = settings.camera {
             camera = looking(eye.into(), target.into());

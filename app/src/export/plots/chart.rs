@@ -61,8 +61,13 @@ impl Axis {
         (place(value) - place(self.min)) / (place(self.max) - place(self.min)).max(f64::MIN_POSITIVE)
     }
 
-    /// Round values to be marked, about `count` of them.
+    /// Round values to be marked, about `count` of them and at least three, if three can be.
     pub(super) fn ticks(&self, count: usize) -> Vec<f64> {
+        let attempts = (count..count + 8).map(|count| self.about(count));
+        attempts.fold(Vec::new(), |found, more| if found.len() < 3 { more } else { found })
+    }
+
+    fn about(&self, count: usize) -> Vec<f64> {
         let wanted = count.max(1) as f64;
         if self.is_log {
             let (first, last) = (self.min.log10().floor() as i32, self.max.log10().ceil() as i32);
@@ -114,6 +119,7 @@ mod tests {
         let ticks = |min: f64, max: f64, count: usize| Axis::new("", min, max).ticks(count);
         assert_eq!(ticks(0.0, 10.0, 5), [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
         assert_eq!(ticks(-0.13, 0.21, 4), [-0.1, 0.0, 0.1, 0.2]);
+        assert_eq!(ticks(-190.0, 190.0, 3), [-100.0, 0.0, 100.0], "zero alone would say nothing");
         let log = Axis { is_log: true, ..Axis::new("", 0.3, 40.0) };
         let found = log.ticks(5);
         let wanted = [0.5, 1.0, 2.0, 5.0, 10.0, 20.0];

@@ -96,9 +96,9 @@ pub(super) fn joints(plan: &Plan, robot: &Robot, scene: &Scene, curve: Curve) ->
         let limits = vec![per_si * lower, per_si * upper];
         let values = points.iter().map(|(_, value)| *value).chain(limits.iter().copied());
         Chart {
-            title: joint.name.clone(),
+            title: format!("{}, {unit}", joint.name),
             x: time_axis(plan),
-            y: Axis::around(unit, values),
+            y: Axis::around("", values),
             lines: vec![Line { name: String::new(), color: TEAL.to_owned(), width: 1.6, points }],
             bars: Vec::new(),
             limits,

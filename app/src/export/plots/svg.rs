@@ -132,7 +132,13 @@ impl Page {
         for bar in &chart.bars {
             let (x0, x1) = (field.x(&chart.x, bar.from), field.x(&chart.x, bar.to));
             let y = field.y(&chart.y, bar.height);
-            self.rect([x0 + 0.5, y, (x1 - x0 - 1.0).max(0.5), field.bottom() - y], &bar.color);
+            // The outline keeps pale bars apart from the paper.
+            let (x, width, height) = (x0 + 0.75, (x1 - x0 - 1.5).max(0.5), field.bottom() - y);
+            self.line(&format!(
+                "<rect x=\"{x:.2}\" y=\"{y:.2}\" width=\"{width:.2}\" height=\"{height:.2}\" fill=\"{}\" \
+                 stroke=\"{FRAME}\" stroke-width=\"0.5\"/>",
+                bar.color
+            ));
         }
         for limit in &chart.limits {
             let y = field.y(&chart.y, *limit);
@@ -169,6 +175,9 @@ impl Page {
         if has_foot {
             let middle = 0.5 * (LEFT + right);
             self.words([middle, field.bottom() + 37.0], &chart.x.label, (11.0, "400", INK, "middle"));
+        }
+        if chart.y.label.is_empty() {
+            return;
         }
         let (x, y) = (15.0, field.top + 0.5 * field.height);
         self.line(&format!(

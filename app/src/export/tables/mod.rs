@@ -205,7 +205,7 @@ pub fn table_lines(results: &Results<'_>, kind: TableKind) -> Result<Vec<String>
 
 fn some_rows(results: &Results<'_>, kind: TableKind) -> Result<Vec<Row>, String> {
     let rows = rows(results, kind);
-    if rows.is_empty() { Err(format!("there are no {}", kind.name())) } else { Ok(rows) }
+    if rows.is_empty() { Err(format!("the table {:?} has no row here", kind.name())) } else { Ok(rows) }
 }
 
 fn rows(results: &Results<'_>, kind: TableKind) -> Vec<Row> {

@@ -1,6 +1,6 @@
 //! The window that saves what the view shows: as a picture, as an animation, or as bodies.
 
-use egui::{Align, Id, Modal, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
+use egui::{Align, Id, Modal, Rect, Role, ScrollArea, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 
 use super::Out;
 use crate::export::{AnimationFormat, Clip};
@@ -40,11 +40,13 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         if let Some(index) = tabs(ui, &PicturePage::ALL.map(PicturePage::title), Some(page as usize)) {
             out.push(Command::Picture(PictureCommand::Page(PicturePage::ALL[index])));
         }
-        match page {
+        let height = (window.height() - 150.0).max(120.0);
+        let area = ScrollArea::vertical().max_height(height).min_scrolled_height(height).auto_shrink([false, true]);
+        area.show(ui, |ui| match page {
             PicturePage::Picture => picture(ui, state, &view, out),
             PicturePage::Animation => animation(ui, state, &view, out),
             PicturePage::Scene => scene(ui, out),
-        }
+        });
     });
     if modal.should_close() {
         out.push(Command::Show(Overlay::None));
