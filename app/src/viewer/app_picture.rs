@@ -3,10 +3,11 @@
 use egui::Context;
 use endcomfort_core::job::Stage;
 use image::RgbaImage;
+use serde::Deserialize;
 
 use super::photographer::Photographer;
-use super::{App, Command, PictureCommand, PictureEffect, Posture, Shot};
-use crate::export::{Clip, Recorder, glb_scene, png_bytes};
+use super::{App, Command, PictureCommand, PictureEffect, Posture, Shot, ViewerState};
+use crate::export::{AnimationFormat, Clip, Recorder, glb_scene, png_bytes};
 use crate::render::{Camera, Quality};
 
 /// The picture or the animation under way.
@@ -32,7 +33,82 @@ struct Film {
     revision: Option<u64>,
 }
 
+/// What a script asks for; everything has a usual value.
+#[derive(Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct Asked {
+    width: u32,
+    height: u32,
+    scale: f32,
+    transparent: bool,
+    words: bool,
+    light: bool,
+    /// Extension of the file of an animation.
+    format: String,
+    fps: u32,
+    from_s: f64,
+    to_s: f64,
+}
+
+impl Default for Asked {
+    fn default() -> Self {
+        Self {
+            width: 1280,
+            height: 720,
+            scale: 1.0,
+            transparent: false,
+            words: true,
+            light: false,
+            format: "gif".to_owned(),
+            fps: 25,
+            from_s: 0.0,
+            to_s: f64::MAX,
+        }
+    }
+}
+
+impl Asked {
+    fn read(wanted: &str, ctx: &Context) -> Result<(Self, Shot), String> {
+        let asked: Self = serde_json::from_str(wanted).map_err(|error| error.to_string())?;
+        let &Self { width, height, scale, transparent, words, light, .. } = &asked;
+        let dark = ctx.theme() == egui::Theme::Dark && !light;
+        let shot = Shot { size_px: [width, height], scale, transparent, words, dark };
+        match ViewerState::shot_problem(&shot) {
+            Some(problem) => Err(problem),
+            None => Ok((asked, shot)),
+        }
+    }
+}
+
 impl App {
+    /// Saves a picture of the view: a JSON object with some of `width`, `height`, `scale`, `transparent`, `words`,
+    /// `light`.
+    ///
+    /// # Errors
+    /// A clause that says what is wrong with the object.
+    pub fn save_picture(&mut self, ctx: &Context, wanted: &str) -> Result<(), String> {
+        let (_, shot) = Asked::read(wanted, ctx)?;
+        self.apply(ctx, Command::Picture(PictureCommand::Take(shot)));
+        Ok(())
+    }
+
+    /// Saves the plan as an animation: the same object, with `format` (`gif`, `apng` or `zip`), `fps`, `from_s` and
+    /// `to_s`.
+    ///
+    /// # Errors
+    /// A clause that says what is wrong with the object.
+    pub fn save_animation(&mut self, ctx: &Context, wanted: &str) -> Result<(), String> {
+        let (Asked { format, fps, from_s, to_s, .. }, shot) = Asked::read(wanted, ctx)?;
+        let known = || AnimationFormat::ALL.map(AnimationFormat::extension).join(", ");
+        let format = AnimationFormat::of_extension(&format)
+            .ok_or_else(|| format!("found format {format:?}, wanted one of {}", known()))?;
+        let duration_s = self.state.duration_s();
+        let clip = Clip { format, fps, from_s, to_s: to_s.min(duration_s) };
+        clip.check(duration_s).map_err(|error| error.to_string())?;
+        self.apply(ctx, Command::Picture(PictureCommand::Film(shot, clip)));
+        Ok(())
+    }
+
     pub(super) fn picture(&mut self, ctx: &Context, effect: PictureEffect) {
         match effect {
             PictureEffect::Take(shot) => self.take_picture(ctx, shot),
