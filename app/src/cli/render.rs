@@ -32,6 +32,9 @@ pub(super) struct Args {
     /// No background, so that the picture can be laid over another.
     #[arg(long)]
     transparent: bool,
+    /// With the labels and the scale that stand over the view.
+    #[arg(long, conflicts_with = "reach")]
+    words: bool,
     /// Colours.
     #[arg(long, value_enum, default_value = "dark")]
     theme: ThemeName,
@@ -85,13 +88,15 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
         scale: args.scale,
         camera: args.camera.map(|[x, y, z, tx, ty, tz]| ([x, y, z], [tx, ty, tz])),
         transparent: args.transparent,
+        words: args.words,
         theme: match args.theme {
             ThemeName::Dark => Theme::Dark,
             ThemeName::Light => Theme::Light,
         },
         reach: args.reach.picture(&request.scene)?,
     };
-    let picture = Picture { scene: &request.scene, robot: &robot, outputs: &outputs };
+    let cloud = request.cloud.as_ref();
+    let picture = Picture { scene: &request.scene, robot: &robot, outputs: &outputs, cloud };
     match (&args.out, &args.film.animation) {
         (Some(file), _) if has_extension(file, "glb") => {
             let bytes = picture.glb(&settings, args.time).map_err(Failure::new)?;

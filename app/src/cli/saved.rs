@@ -57,8 +57,10 @@ impl Of {
     pub(super) fn maps(&self, common: &Common) -> Result<Found, Failure> {
         let request = input::request(&self.scene, self.robot.as_deref(), common)?;
         let robot = assets::library().robot_of(&request.scene).map_err(|error| Failure::new(error.to_string()))?;
-        let map = |arm: &str| assets::library().reach_map(&request.scene.robot, arm);
-        let map = |arm: &str| map(arm).map_err(|error| Failure::new(error.to_string()));
+        let map = |arm: &str| {
+            let map = assets::library().reach_map(&request.scene.robot, arm);
+            map.map_err(|error| Failure::new(error.to_string()))
+        };
         let maps = [Some(map("left")?), Some(map("right")?)];
         Ok(Found { scene: request.scene, robot, outputs: Vec::new(), objectives: Vec::new(), refusal: None, maps })
     }

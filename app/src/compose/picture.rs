@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use endcomfort_core::grasp::Quantity;
-use endcomfort_core::job::Output;
+use endcomfort_core::job::{DroppedCloud, Output};
 use endcomfort_core::robot::Robot;
 use endcomfort_core::scene::Scene;
 use endcomfort_core::task::Plan;
@@ -18,6 +18,8 @@ pub struct Picture<'a> {
     pub scene: &'a Scene,
     pub robot: &'a Arc<Robot>,
     pub outputs: &'a [Output],
+    /// The cloud that was dropped, if the scene is one.
+    pub cloud: Option<&'a DroppedCloud>,
 }
 
 impl Picture<'_> {

@@ -1,6 +1,7 @@
 //! Pictures without a window: a scene at a moment, drawn off-screen.
 
 mod fit_pair;
+mod words;
 
 use std::sync::Arc;
 
@@ -9,6 +10,7 @@ use endcomfort_core::task::Plan;
 use image::RgbaImage;
 use nalgebra::Point3;
 
+use self::words::Labeller;
 use crate::compose::{Composer, ReachContent};
 use crate::export::glb_scene;
 use crate::render::{Camera, Frame, Offscreen, OffscreenError, Quality, Theme, View};
@@ -27,6 +29,8 @@ pub struct PictureSettings {
     pub scale: f32,
     /// No background.
     pub transparent: bool,
+    /// With the labels and the scale that stand over the view.
+    pub words: bool,
     /// Colours.
     pub theme: Theme,
     /// Reachability maps to be drawn; the usual view frames them.
@@ -79,6 +83,7 @@ pub struct Shooting<'a> {
     settings: &'a PictureSettings,
     composer: Composer,
     offscreen: Offscreen,
+    labeller: Option<Labeller>,
 }
 
 impl<'a> Shooting<'a> {
@@ -88,7 +93,9 @@ impl<'a> Shooting<'a> {
     /// [`OffscreenError`] when there is none.
     pub fn new(picture: Picture<'a>, settings: &'a PictureSettings) -> Result<Self, OffscreenError> {
         let plan = picture.plan();
-        Ok(Self { picture, plan, settings, composer: Composer::default(), offscreen: Offscreen::new()? })
+        let labeller = settings.words.then(|| Labeller::new(picture.scene, picture.cloud, picture.outputs));
+        let offscreen = Offscreen::new()?;
+        Ok(Self { picture, plan, settings, composer: Composer::default(), offscreen, labeller })
     }
 
     /// How finely the next pictures are lit; [`Quality::Figure`] at first.
@@ -111,7 +118,12 @@ impl<'a> Shooting<'a> {
         }
         let mut view = View::new(camera, settings.theme, settings.size_px);
         (view.transparent, view.pixels_per_point) = (settings.transparent, settings.scale);
-        self.offscreen.render(&frame, &view)
+        let labeller = &mut self.labeller;
+        self.offscreen.render_with(&frame, &view, |gpu, target| {
+            if let Some(labeller) = labeller {
+                labeller.write(gpu, target, &view.camera, time_s, (settings.theme, settings.scale));
+            }
+        })
     }
 }
 

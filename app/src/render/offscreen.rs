@@ -93,6 +93,19 @@ impl Offscreen {
     /// [`OffscreenError::Size`] for a size beyond [`check_size`] or a scale beyond [`check_scale`],
     /// [`OffscreenError::Readback`] if the device is lost.
     pub fn render(&mut self, frame: &Frame, view: &View) -> Result<RgbaImage, OffscreenError> {
+        self.render_with(frame, view, |_, _| ())
+    }
+
+    /// As [`Self::render`]; `over` draws over the finished picture.
+    ///
+    /// # Errors
+    /// As [`Self::render`].
+    pub fn render_with(
+        &mut self,
+        frame: &Frame,
+        view: &View,
+        over: impl FnOnce((&wgpu::Device, &wgpu::Queue), &Target),
+    ) -> Result<RgbaImage, OffscreenError> {
         check_size(view.size_px, self.limit)?;
         check_scale(view.pixels_per_point)?;
         let mut target = match self.target.take() {
@@ -100,6 +113,7 @@ impl Offscreen {
             _ => Target::new(&self.device, view.size_px),
         };
         self.renderer.draw(&self.device, &self.queue, frame, view, &mut target);
+        over((&self.device, &self.queue), &target);
         let picture = self.read(&target);
         self.target = Some(target);
         picture.map_err(|cause| OffscreenError::Readback { adapter: self.adapter.name.clone(), cause })

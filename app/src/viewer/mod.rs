@@ -73,6 +73,8 @@ pub use measures::{Kept, Measures};
 pub use outputs::{Dated, Outputs};
 pub use panels::draw_panels;
 pub(crate) use panels::phase_color;
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) use photographer::say_over;
 pub use pick::Pick;
 pub use picturing::{PictureCommand, PictureEffect, PicturePage, PictureSettings, Picturing, Shot, SizePreset};
 pub use placing::{PlaceCommand, Thing};
@@ -91,6 +93,8 @@ pub use studio::{Demo, RobotChoice, Studio};
 pub use table_view::{Column, ColumnSet, Listed, TableView};
 pub use theme::{Tokens, install as install_theme};
 pub use viewing::{KeptView, Turning, ViewCommand, ViewEffect, Viewing};
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) use words::Words;
 
 #[cfg(all(test, not(target_arch = "wasm32")))]
 mod tests;

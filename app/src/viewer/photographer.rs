@@ -1,6 +1,6 @@
 //! Pictures of the view at any size: drawn beside the window, read back while the interface goes on.
 
-use egui::{Context, Pos2, Rect, Ui, vec2};
+use egui::{Context, Ui};
 use image::RgbaImage;
 
 use super::layout::Layout;
@@ -51,7 +51,7 @@ impl Photographer {
         if shot.words {
             let words = self.words.get_or_insert_with(|| Words::new(&gpu.device));
             let of = (&gpu.device, &gpu.queue);
-            words.paint(of, &target, (shot.dark, shot.scale), |ui| say(ui, picture, &camera, shot));
+            words.paint(of, &target, (shot.dark, shot.scale), |ui| say_over(ui, picture, &camera));
         }
         let ctx = ctx.clone();
         let wake = move || ctx.request_repaint();
@@ -74,10 +74,9 @@ impl Photographer {
     }
 }
 
-/// Labels, legend and scale, as they stand over the view.
-fn say(ui: &mut Ui, picture: &Picture, camera: &Camera, shot: &Shot) {
-    let size = vec2(shot.size_px[0] as f32, shot.size_px[1] as f32) / shot.scale;
-    let window = Rect::from_min_size(Pos2::ZERO, size);
+/// Labels, legend and scale, as they stand over the view, over a picture that fills the `Ui`'s window.
+pub(crate) fn say_over(ui: &mut Ui, picture: &Picture, camera: &Camera) {
+    let window = ui.ctx().content_rect();
     let layout = Layout { free: window, ..Layout::new(window, None) };
     view3d::labels(ui, window, camera, &picture.labels);
     if let Some(legend) = &picture.legend {

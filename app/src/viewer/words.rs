@@ -7,13 +7,13 @@ use super::theme;
 use crate::render::Target;
 
 /// What draws words into targets.
-pub(super) struct Words {
+pub(crate) struct Words {
     ctx: Context,
     renderer: Renderer,
 }
 
 impl Words {
-    pub(super) fn new(device: &wgpu::Device) -> Self {
+    pub(crate) fn new(device: &wgpu::Device) -> Self {
         let ctx = Context::default();
         theme::install(&ctx);
         // Colours as they are: no noise against steps, so that equal pictures are equal files.
@@ -23,7 +23,7 @@ impl Words {
 
     /// Draws what `add` puts into a `Ui` over what the target shows already; the `Ui` is as large as the target, at
     /// `scale` pixels per point.
-    pub(super) fn paint(
+    pub(crate) fn paint(
         &mut self,
         (device, queue): (&wgpu::Device, &wgpu::Queue),
         target: &Target,
