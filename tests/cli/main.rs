@@ -607,6 +607,9 @@ fn a_picture_has_its_size_and_scale_and_a_clear_corner_and_what_cannot_be_is_ref
     let (thin, thick) = (draw("thin.png", &[]), draw("thick.png", &["--scale", "4"]));
     assert_eq!((thin.dimensions(), thick.dimensions()), ((320, 200), (320, 200)));
     assert_eq!(thin.get_pixel(0, 0).0[3], 0, "no background");
+    let told = draw("told.png", &["--words"]);
+    let words = told.pixels().zip(thin.pixels()).filter(|(a, b)| a != b).count();
+    assert!((500..20_000).contains(&words), "{words} pixels of labels");
     // The path of the hand is amber, as nothing else is.
     let is_amber = |[r, g, b, _]: [u8; 4]| r > 220 && (120..200).contains(&g) && b < 110;
     let amber = |picture: &image::RgbaImage| picture.pixels().filter(|pixel| is_amber(pixel.0)).count();
@@ -619,6 +622,7 @@ fn a_picture_has_its_size_and_scale_and_a_clear_corner_and_what_cannot_be_is_ref
         (vec!["--scale", "99", "--out", &png], 1, "--scale: found 99 pixels per point"),
         (vec!["--out", "picture.bmp"], 2, "wanted a file that ends in .png or .glb"),
         (vec!["--size", "320x200"], 2, "--out"),
+        (vec!["--words", "--reach", "both", "--out", &png], 2, "cannot be used with"),
         (vec!["--animation", "never.gif", "--time", "1"], 2, "cannot be used with"),
         (vec!["--animation", "never.gif", "--fps", "60"], 1, "found 60 frames per second, wanted between 1 and 50"),
         (vec!["--animation", "never.apng", "--from", "3", "--to", "2"], 1, "found the part from 3 s to 2 s"),

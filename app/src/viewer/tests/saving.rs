@@ -5,12 +5,13 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use endcomfort_core::job::Stage;
 
+use super::bench::Bench;
 use super::{Page, invented, page};
 use crate::export::{AnimationFormat, TableKind};
 use crate::viewer::state::Step;
 use crate::viewer::{
     Command, Effect, LabCommand, LabPage, Overlay, PictureCommand, PictureEffect, PicturePage, PlanCommand, PlanPage,
-    PlayPage, Shot, SizePreset, ViewerState,
+    PlayPage, ReachCommand, ReachPage, Shot, SizePreset, ViewerState,
 };
 
 const SIZE: [f32; 2] = [1280.0, 720.0];
@@ -159,6 +160,20 @@ fn every_table_of_the_inspector_has_a_button_that_saves_its_rows() {
     let mut fit = at(Stage::Fit, []);
     let (_, text) = save(&mut fit, TableKind::Fits, "Save as CSV");
     assert!(text.starts_with("cluster,is_target,a_m,b_m,c_m,e1,e2"), "{text}");
+}
+
+#[test]
+fn the_voxels_of_both_arms_are_one_table() {
+    let mut bench = Bench::until("jar", Stage::Scene);
+    bench.apply(Command::Reach(ReachCommand::Open));
+    bench.apply(Command::Reach(ReachCommand::Page(ReachPage::Map)));
+    let mut harness = page(bench.page.state, [1280.0, 1400.0], Theme::Light);
+    harness.run_steps(2);
+    let (name, text) = save(&mut harness, TableKind::Voxels, "Save as CSV");
+    assert_eq!(name, "endcomfort-jar-voxels.csv");
+    let voxels = |arm: usize| harness.state().state.reaching.map(arm).map_or(0, |map| map.voxels().count());
+    assert_eq!(text.lines().count(), 1 + voxels(0) + voxels(1));
+    assert!(text.contains("\nleft,left_arm_base,") && text.contains("\nright,right_arm_base,"), "{}", &text[..200]);
 }
 
 #[test]

@@ -22,10 +22,15 @@ const SAMPLES: usize = 5_000_000;
 const MILLION: f64 = 1e6;
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
-    for (arm, name) in ARMS.iter().enumerate().filter(|(arm, _)| state.reaching.view.arms.needs(*arm)) {
-        match state.reaching.map(arm) {
-            Some(_) => saved_section(ui, &format!("{name} arm"), TableKind::Voxels, None, out),
-            None => section(ui, &format!("{name} arm")),
+    let is_needed = |arm: &usize| state.reaching.view.arms.needs(*arm);
+    // One table holds the voxels of both arms.
+    let saved = (0..ARMS.len()).filter(is_needed).find(|arm| state.reaching.map(*arm).is_some());
+    for (arm, name) in ARMS.iter().enumerate().filter(|(arm, _)| is_needed(arm)) {
+        let title = format!("{name} arm");
+        if saved == Some(arm) {
+            saved_section(ui, &title, TableKind::Voxels, None, out);
+        } else {
+            section(ui, &title);
         }
         match state.reaching.slot(arm) {
             Slot::Here(shown) => facts(ui, arm, shown, out),
