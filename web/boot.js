@@ -291,6 +291,8 @@ async function main() {
     link: program.link,
     open_link: program.open_link,
     session: program.session,
+    save_picture: (wanted) => program.save_picture(JSON.stringify(wanted ?? {})),
+    save_animation: (wanted) => program.save_animation(JSON.stringify(wanted ?? {})),
     first_picture_ms: await firstPicture(program),
   };
   if (!hasFailed()) {

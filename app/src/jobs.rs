@@ -7,7 +7,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use crate::assets;
 use crate::clock::stopwatch;
 use endcomfort_core::grasp::Quality;
-use endcomfort_core::job::{Output, Refusal, Request, Stage, Update};
+use endcomfort_core::job::{ObjectiveFit, Output, Refusal, Request, Stage, Update};
 use endcomfort_core::pipeline::Pipeline;
 use endcomfort_core::watch::Watch;
 
@@ -98,4 +98,22 @@ pub fn run_as_far_as_possible(request: &Request, last: Stage) -> (Vec<Output>, O
 pub fn run_until(request: &Request, last: Stage) -> Result<Vec<Output>, Refusal> {
     let (outputs, refused) = run_as_far_as_possible(request, last);
     refused.map_or(Ok(outputs), Err)
+}
+
+/// Fits the cluster of [`Request::compare`] with every objective, on this thread; each with its time in milliseconds.
+///
+/// # Errors
+/// The refusal of the stage that cannot be done.
+pub fn compare(request: &Request) -> Result<Vec<(f64, ObjectiveFit)>, Refusal> {
+    let (mut rows, mut refused) = (Vec::new(), None);
+    run(&mut Pipeline::new(assets::library()), request, &|| false, &mut |update| match update {
+        Update::Done { elapsed_ms, output, .. } => {
+            if let Output::Objective(row) = *output {
+                rows.push((elapsed_ms, *row));
+            }
+        }
+        Update::Refused { refusal, .. } => refused = Some(refusal),
+        Update::Progress { .. } | Update::Mapping { .. } | Update::Finished { .. } => {}
+    });
+    refused.map_or(Ok(rows), Err)
 }

@@ -152,6 +152,53 @@ fn in_the_fit_lab_objectives_are_compared_and_a_shape_set_by_hand_changes_the_er
     Ok(())
 }
 
+/// The last file that the page handed to the person after `window.saved` began to collect them.
+fn saved_file(browser: &Browser, count: usize) -> Result<Vec<u8>> {
+    browser.wait_for(&format!("file {count}"), &format!("window.saved?.length >= {count}"), A_WHILE)?;
+    let text = browser.run(
+        "const hex = (byte) => byte.toString(16).padStart(2, '0');
+         return window.saved.at(-1).arrayBuffer().then((file) => Array.from(new Uint8Array(file), hex).join(''))",
+        &[],
+    )?;
+    let text = text.as_str().context("no bytes")?;
+    (0..text.len()).step_by(2).map(|at| Ok(u8::from_str_radix(&text[at..at + 2], 16)?)).collect()
+}
+
+#[test]
+fn pictures_and_animations_of_any_size_are_saved_while_the_page_goes_on() -> Result<()> {
+    let browser = browser_with_demo("mustard")?;
+    browser.run(
+        "window.saved = []; const make = URL.createObjectURL.bind(URL);
+         URL.createObjectURL = (blob) => { window.saved.push(blob); return make(blob); };
+         window.endcomfort.pause(); window.endcomfort.seek(4)",
+        &[],
+    )?;
+    let size = serde_json::json!({ "width": 500, "height": 300, "transparent": true, "words": false });
+    browser.run("window.endcomfort.save_picture(arguments[0])", &[size])?;
+    let picture = image::load_from_memory(&saved_file(&browser, 1)?)?.to_rgba8();
+    assert_eq!(picture.dimensions(), (500, 300));
+    assert_eq!(picture.get_pixel(0, 0).0[3], 0, "no background");
+    let seen = picture.pixels().filter(|pixel| pixel.0[3] == 255).count();
+    assert!(seen > 500 * 300 / 20, "only {seen} pixels of robot and table");
+
+    let clip = serde_json::json!({
+        "width": 200, "height": 120, "format": "apng", "fps": 2, "from_s": 4, "to_s": 5.5, "words": true
+    });
+    browser.run("window.endcomfort.save_animation(arguments[0])", &[clip])?;
+    let file = saved_file(&browser, 2)?;
+    assert_eq!(file.windows(4).filter(|window| *window == b"fcTL").count(), 4, "one for each frame");
+    assert_eq!(image::load_from_memory(&file)?.to_rgba8().dimensions(), (200, 120));
+
+    let refused = browser.run(
+        "try { window.endcomfort.save_picture({ width: 90000 }); return '' } catch (error) { return String(error) }",
+        &[],
+    )?;
+    assert!(refused.as_str().is_some_and(|said| said.contains("90000 × 720")), "{refused}");
+    let complaints = browser.complaints()?;
+    assert!(complaints.is_empty(), "{complaints:#?}");
+    Ok(())
+}
+
 #[test]
 fn a_dropped_cloud_is_fitted() -> Result<()> {
     let browser = browser_with_demo("mustard")?;

@@ -3,7 +3,8 @@
 //! `web/boot.js` offers the functions below as `window.endcomfort`:
 //! `status()`, `plan_json()`, `load_cloud(name, bytes)`, `set_demo(name)`, `play()`, `pause()`, `seek(seconds)`,
 //! `select_step(name)`, `compare_objectives()`, `set_shape({ a: 0.05, … })`, `undo()`, `redo()`, `link()`,
-//! `open_link(text)`, `session()`, and the number `first_picture_ms`, counted from the moment the browser began to open
+//! `open_link(text)`, `session()`, `save_picture({ width: 1920, … })`, `save_animation({ format: "gif", … })`, and the
+//! number `first_picture_ms`, counted from the moment the browser began to open
 //! the page. With `?embed=1` it also answers the messages of the page around it, see `docs/embed.md`.
 
 use std::cell::RefCell;
@@ -217,6 +218,24 @@ pub fn open_scene(json: &str) -> Result<(), JsValue> {
 #[wasm_bindgen]
 pub fn session() -> Result<Option<String>, JsValue> {
     with_app(|app, _| app.session()).transpose().map_err(JsValue::from)
+}
+
+/// Saves a picture of the view, as a download; the sentence about it stands among the status's messages.
+///
+/// # Errors
+/// What is wrong with the object.
+#[wasm_bindgen]
+pub fn save_picture(wanted: &str) -> Result<(), JsValue> {
+    with_app(|app, context| app.save_picture(context, wanted)).unwrap_or(Ok(())).map_err(JsValue::from)
+}
+
+/// Saves the plan as an animation, as a download once all frames are drawn.
+///
+/// # Errors
+/// What is wrong with the object.
+#[wasm_bindgen]
+pub fn save_animation(wanted: &str) -> Result<(), JsValue> {
+    with_app(|app, context| app.save_animation(context, wanted)).unwrap_or(Ok(())).map_err(JsValue::from)
 }
 
 fn with_page<T>(act: impl FnOnce(&Page) -> T) -> Option<T> {

@@ -3,6 +3,7 @@
 mod check;
 mod experiment;
 mod experiment_grasps;
+mod film_options;
 mod fit;
 mod grasp_options;
 mod grasps;
@@ -12,12 +13,15 @@ mod look_options;
 mod motion_options;
 mod pictures;
 mod plan;
+mod plot;
 mod reach;
 mod reach_options;
 mod render;
+mod saved;
 mod segment;
 mod start_options;
 mod table;
+mod tables;
 mod views;
 mod window;
 
@@ -65,6 +69,10 @@ enum Command {
     Reach(reach::Args),
     /// Draws one picture without a window.
     Render(render::Args),
+    /// Writes a table of the interface: clusters, fits, phases, joints and so on.
+    Table(tables::Args),
+    /// Writes a plot of the interface as SVG.
+    Plot(plot::Args),
     /// Measures the thesis's tables again.
     Experiment(experiment::Args),
     /// Solves a file of hand poses for the joints of a robot's arm.
@@ -140,6 +148,8 @@ pub fn main() -> ExitCode {
         Some(Command::Plan(args)) => plan::run(&args, &common),
         Some(Command::Reach(args)) => reach::run(&args, &common),
         Some(Command::Render(args)) => render::run(&args, &common),
+        Some(Command::Table(args)) => tables::run(&args, &common),
+        Some(Command::Plot(args)) => plot::run(&args, &common),
         Some(Command::Experiment(args)) => experiment::run(&args, &common),
         Some(Command::Ik(args)) => ik::run(&args, &common),
         Some(Command::Check(args)) => check::run(&args, &common),

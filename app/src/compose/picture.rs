@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use endcomfort_core::grasp::Quantity;
-use endcomfort_core::job::Output;
+use endcomfort_core::job::{DroppedCloud, Output};
 use endcomfort_core::robot::Robot;
 use endcomfort_core::scene::Scene;
 use endcomfort_core::task::Plan;
@@ -20,6 +20,8 @@ pub struct Picture<'a> {
     pub outputs: &'a [Output],
     /// How points are drawn.
     pub cloud_look: CloudLook,
+    /// The cloud that was dropped, if the scene is one.
+    pub cloud: Option<&'a DroppedCloud>,
 }
 
 impl Picture<'_> {
@@ -29,31 +31,35 @@ impl Picture<'_> {
         for layer in Layer::ALL.into_iter().filter(|layer| !matches!(layer, Layer::Robot | Layer::Fits)) {
             layers.get_mut(layer).visible = false;
         }
-        let duration_s = self.plan().map_or(0.0, |plan| plan.duration_s());
+        let plan = self.plan();
+        let duration_s = plan.as_ref().map_or(0.0, |plan| plan.duration_s());
         let steps = (duration_s / step_s.max(1e-3)).ceil() as usize;
         let mut composer = Composer::default();
         let moment = |k: usize| {
             let time_s = (k as f64 * step_s).min(duration_s);
-            let frame = self.frame(&mut composer, Some(time_s), theme, &layers, None);
+            let frame = self.frame(&mut composer, plan.as_ref(), Some(time_s), theme, &layers, None);
             Moment { time_s, meshes: frame.meshes }
         };
         (0..=steps).map(moment).collect()
     }
 
-    fn plan(&self) -> Option<&Plan> {
-        self.outputs.iter().find_map(|output| if let Output::Plan(plan) = output { Some(&**plan) } else { None })
+    /// The plan, to be shared by all pictures of it: what depends on the whole of it is made once.
+    pub(crate) fn plan(&self) -> Option<Arc<Plan>> {
+        let plan =
+            self.outputs.iter().find_map(|output| if let Output::Plan(plan) = output { Some(plan) } else { None });
+        plan.map(|plan| Arc::new((**plan).clone()))
     }
 
-    /// What is drawn at a time of the plan; without a time, the robot in its start posture.
+    /// What is drawn at a time of the plan, see [`Self::plan`]; without a time, the robot in its start posture.
     pub(crate) fn frame(
         &self,
         composer: &mut Composer,
+        plan: Option<&Arc<Plan>>,
         time_s: Option<f64>,
         theme: Theme,
         layers: &Layers,
         reach: Option<ReachContent<'_>>,
     ) -> Frame {
-        let plan = self.plan().cloned().map(Arc::new);
         let mut content = Content {
             scene: self.scene,
             robot: self.robot,
@@ -68,7 +74,7 @@ impl Picture<'_> {
             X_WO_goal: None,
             X_WO_between: Vec::new(),
             X_WO: None,
-            plan: plan.as_ref(),
+            plan,
             motion: MotionContent::default(),
             layers,
             hovered: None,

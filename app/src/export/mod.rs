@@ -1,10 +1,19 @@
-//! Files for other programs: ranked grasps, motions, and scenes that move.
+//! Files for other programs and for papers: ranked grasps, motions, tables, pictures, and scenes that
+//! move.
 
+mod animation;
 mod glb;
 mod motion;
+mod picture;
+mod plots;
+mod tables;
 
-pub use glb::{Moment, glb};
+pub use animation::{AnimationError, AnimationFormat, Clip, MAX_FRAMES, Recorder};
+pub use glb::{Moment, glb, glb_scene};
 pub use motion::{MotionFormat, export_motion};
+pub use picture::png_bytes;
+pub use plots::{HISTOGRAM_BARS, Histogram, PlotKind, plot_svg, taken_run};
+pub use tables::{Results, TableFormat, TableKind, table_lines, table_text};
 
 use endcomfort_core::grasp::{ExportFormat, Grasp, GraspExport, StraightWays};
 use endcomfort_core::job::{DroppedCloud, GraspsOutput};

@@ -66,7 +66,8 @@ pub fn export_motion(scene: &Scene, outputs: &[Output], format: MotionFormat) ->
     match format {
         MotionFormat::Trajectory(format) => Ok(trajectory_text(plan, &robot, format).into_bytes()),
         MotionFormat::Glb => {
-            let picture = Picture { scene, robot: &Arc::clone(&robot), outputs, cloud_look: CloudLook::default() };
+            let picture =
+                Picture { scene, robot: &Arc::clone(&robot), outputs, cloud_look: CloudLook::default(), cloud: None };
             glb(&picture.moments(ANIMATION_STEP_S, Theme::Light))
         }
     }

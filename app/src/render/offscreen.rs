@@ -2,10 +2,7 @@
 
 use image::RgbaImage;
 
-use super::{Frame, Quality, Renderer, Target, View};
-
-/// Largest width or height of a picture in pixels.
-pub const MAX_SIDE_PX: u32 = 8192;
+use super::{Frame, MAX_SIDE_PX, Quality, Readback, Renderer, SizeError, Target, View, check_scale, check_size};
 
 /// Why there is no picture.
 #[derive(Debug, thiserror::Error)]
@@ -28,16 +25,9 @@ pub enum OffscreenError {
         /// What wgpu said.
         cause: String,
     },
-    /// A side is 0 or too long.
-    #[error("picture of {width} × {height} pixels: each side must be between 1 and {limit}")]
-    Size {
-        /// Width asked for.
-        width: u32,
-        /// Height asked for.
-        height: u32,
-        /// Longest side that this adapter draws.
-        limit: u32,
-    },
+    /// The picture is too large, or nothing.
+    #[error(transparent)]
+    Size(#[from] SizeError),
     /// The picture was drawn but could not be read.
     #[error("the picture could not be read back from {adapter:?}: {cause}")]
     Readback {
@@ -100,66 +90,38 @@ impl Offscreen {
     /// Draws a picture of `view.size_px`. Alpha is straight, as PNG wants it.
     ///
     /// # Errors
-    /// [`OffscreenError::Size`] for a side of 0 or beyond [`MAX_SIDE_PX`] (or what the adapter can do),
+    /// [`OffscreenError::Size`] for a size beyond [`check_size`] or a scale beyond [`check_scale`],
     /// [`OffscreenError::Readback`] if the device is lost.
     pub fn render(&mut self, frame: &Frame, view: &View) -> Result<RgbaImage, OffscreenError> {
-        let [width, height] = view.size_px;
-        if !view.size_px.iter().all(|side| (1..=self.limit).contains(side)) {
-            return Err(OffscreenError::Size { width, height, limit: self.limit });
-        }
+        self.render_with(frame, view, |_, _| ())
+    }
+
+    /// As [`Self::render`]; `over` draws over the finished picture.
+    ///
+    /// # Errors
+    /// As [`Self::render`].
+    pub fn render_with(
+        &mut self,
+        frame: &Frame,
+        view: &View,
+        over: impl FnOnce((&wgpu::Device, &wgpu::Queue), &Target),
+    ) -> Result<RgbaImage, OffscreenError> {
+        check_size(view.size_px, self.limit)?;
+        check_scale(view.pixels_per_point)?;
         let mut target = match self.target.take() {
             Some(target) if target.size() == view.size_px => target,
             _ => Target::new(&self.device, view.size_px),
         };
         self.renderer.draw(&self.device, &self.queue, frame, view, &mut target);
-        let pixels = self.read(target.color_texture(), view.size_px);
+        over((&self.device, &self.queue), &target);
+        let picture = self.read(&target);
         self.target = Some(target);
-        let readback = |cause: String| OffscreenError::Readback { adapter: self.adapter.name.clone(), cause };
-        let pixels = pixels.map_err(readback)?;
-        RgbaImage::from_raw(width, height, pixels).ok_or_else(|| readback("wrong number of bytes".to_owned()))
+        picture.map_err(|cause| OffscreenError::Readback { adapter: self.adapter.name.clone(), cause })
     }
 
-    fn read(&self, texture: &wgpu::Texture, [width, height]: [u32; 2]) -> Result<Vec<u8>, String> {
-        let row = width as usize * 4;
-        let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT as usize);
-        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("read back"),
-            size: padded as u64 * u64::from(height),
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        });
-        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let layout =
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(padded as u32), rows_per_image: None };
-        encoder.copy_texture_to_buffer(
-            texture.as_image_copy(),
-            wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
-            wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        );
-        self.queue.submit([encoder.finish()]);
-        let (sender, receiver) = std::sync::mpsc::channel();
-        buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-            // The receiver waits below; if it is gone, so is the question.
-            sender.send(result).ok();
-        });
+    fn read(&self, target: &Target) -> Result<RgbaImage, String> {
+        let readback = Readback::start(&self.device, &self.queue, target, || {});
         self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| error.to_string())?;
-        receiver.recv().map_err(|error| error.to_string())?.map_err(|error| error.to_string())?;
-        let mapped = buffer.get_mapped_range(..).map_err(|error| error.to_string())?;
-        let mut pixels = Vec::with_capacity(row * height as usize);
-        for line in mapped.chunks_exact(padded) {
-            pixels.extend_from_slice(&line[..row]);
-        }
-        pixels.chunks_exact_mut(4).for_each(straighten);
-        Ok(pixels)
-    }
-}
-
-/// Straight alpha from premultiplied.
-fn straighten(pixel: &mut [u8]) {
-    let [color @ .., alpha] = pixel else { return };
-    if !matches!(alpha, 0 | 255) {
-        for channel in color {
-            *channel = ((u32::from(*channel) * 255 + u32::from(*alpha) / 2) / u32::from(*alpha)).min(255) as u8;
-        }
+        readback.take(&self.device).unwrap_or_else(|| Err("it never arrived".to_owned()))
     }
 }

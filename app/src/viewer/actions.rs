@@ -9,8 +9,8 @@ use endcomfort_core::scene::ArmChoice;
 
 use super::state::{Step, ThemeChoice};
 use super::{
-    CloudColor, Command, GraspCommand, LabCommand, Layer, LookCommand, Overlay, PanelSizes, PlaceCommand, PlanCommand,
-    PoseCommand, ReachCommand, Thing, TourCommand, Turning, ViewCommand, ViewerState,
+    CloudColor, Command, GraspCommand, LabCommand, Layer, LookCommand, Overlay, PanelSizes, PictureCommand,
+    PlaceCommand, PlanCommand, PoseCommand, ReachCommand, Thing, TourCommand, Turning, ViewCommand, ViewerState,
 };
 use crate::export::MotionFormat;
 use crate::render::{Named, Projection};
@@ -168,6 +168,7 @@ pub(super) fn with_keys(state: &ViewerState) -> Vec<Action> {
             Command::Present(!is_presented),
         )
         .key("P", Key::P),
+        Action::new(Page, "Save a picture or an animation…", toggled(Overlay::Picture)).key("I", Key::I),
         Action::new(Page, "All demos", toggled(Overlay::Gallery)).key("G", Key::G),
         Action::new(Page, "The 30-second tour", Command::Tour(TourCommand::Start)).key("T", Key::T),
         Action::new(Page, "Keys and gestures", toggled(Overlay::Help)).key("?", Key::Questionmark),
@@ -238,7 +239,11 @@ pub(super) fn without_keys(state: &ViewerState) -> Vec<Action> {
     actions.push(Action::new(Scene, "Open a file…", Command::PickFile));
     actions.push(Action::new(Export, "Save the session", Command::SaveSession));
     actions.push(Action::new(Export, "Save the scene", Command::SaveScene));
-    actions.push(Action::new(Export, "Save a picture of the view", Command::Screenshot));
+    actions.push(Action::new(
+        Export,
+        "Save what the view shows as a 3D scene (GLB)",
+        Command::Picture(PictureCommand::SaveScene),
+    ));
     for format in ExportFormat::ALL {
         let title = format!("Save the ranked grasps as {}", format.extension().to_uppercase());
         let action = Action::new(Export, title, Command::Grasping(GraspCommand::Export(format)));

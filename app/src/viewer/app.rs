@@ -3,9 +3,10 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::export::MotionFormat;
-use egui::{ColorImage, Context, Ui};
+use egui::{Context, Ui};
 use endcomfort_core::grasp::ExportFormat;
 
+use super::app_picture::Pictures;
 use super::share::Autosave;
 use super::state::Step;
 use super::view3d::View3d;
@@ -35,9 +36,9 @@ pub struct App {
     pub(super) state: ViewerState,
     pub(super) view: View3d,
     pub(super) host: Box<dyn Host>,
-    studio: Box<dyn Studio>,
+    pub(super) studio: Box<dyn Studio>,
     inbox: Inbox,
-    screenshot: Screenshot,
+    pub(super) pictures: Pictures,
     pub(super) autosave: Autosave,
     /// Sizes of the panels as they were written last.
     pub(super) kept_sizes: PanelSizes,
@@ -45,15 +46,6 @@ pub struct App {
 
 /// Files that are still being read when they are dropped (the browser reads them in its own time).
 type Inbox = Arc<Mutex<Vec<Command>>>;
-
-/// A picture of the view that was asked for.
-#[derive(Default)]
-enum Screenshot {
-    #[default]
-    None,
-    /// The panels are left away until the picture arrives.
-    Waiting(Arc<Mutex<Option<Arc<ColorImage>>>>),
-}
 
 impl App {
     /// Opens the first demo (or the one that is asked for) at once.
@@ -81,7 +73,7 @@ impl App {
             host,
             studio,
             inbox: Inbox::default(),
-            screenshot: Screenshot::None,
+            pictures: Pictures::default(),
             autosave: Autosave::default(),
             kept_sizes: PanelSizes::default(),
         };
@@ -208,7 +200,7 @@ impl App {
                     let sentence = self.host.save(&name, &bytes);
                     self.state.say(false, sentence, Vec::new());
                 }
-                Effect::Screenshot => self.ask_for_screenshot(ctx),
+                Effect::Picture(effect) => self.picture(ctx, effect),
                 Effect::Export(format) => self.export(format),
                 Effect::ExportMotion(format) => self.export_motion(format),
                 Effect::PlaceCamera(camera) => self.view.place(camera),
@@ -233,7 +225,7 @@ impl App {
         for command in arrived {
             self.apply(ctx, command);
         }
-        self.take_screenshot(ctx);
+        self.develop_pictures(ctx);
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());
         // One scene or cloud at a time: of several files the first one counts.
         if let Some(file) = dropped.first() {
@@ -281,32 +273,6 @@ impl App {
         };
         self.host.fetch(&path, Box::new(done));
     }
-
-    fn ask_for_screenshot(&mut self, ctx: &Context) {
-        let place = Arc::new(Mutex::new(None));
-        self.screenshot = Screenshot::Waiting(place.clone());
-        let repaint = ctx.clone();
-        ctx.request_screenshot(move |image| {
-            *place.lock().unwrap_or_else(PoisonError::into_inner) = Some(image);
-            repaint.request_repaint();
-        });
-    }
-
-    fn take_screenshot(&mut self, ctx: &Context) {
-        let Screenshot::Waiting(place) = &self.screenshot else { return };
-        let arrived = place.lock().unwrap_or_else(PoisonError::into_inner).take();
-        let Some(image) = arrived else { return };
-        self.screenshot = Screenshot::None;
-        match png(&image) {
-            Ok(bytes) => {
-                let name = format!("endcomfort-{}-{:.2}s.png", self.state.scene().name, self.state.playback.time_s);
-                let sentence = self.host.save(&name, &bytes);
-                self.state.say(false, sentence, Vec::new());
-            }
-            Err(reason) => self.state.say(true, format!("The picture could not be saved: {reason}."), Vec::new()),
-        }
-        ctx.request_repaint();
-    }
 }
 
 impl eframe::App for App {
@@ -331,9 +297,7 @@ impl eframe::App for App {
 
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
         let mut commands = self.view.show(ui, &self.state, &mut *self.studio);
-        if matches!(self.screenshot, Screenshot::None) {
-            commands.extend(draw_panels(ui, &self.state));
-        }
+        commands.extend(draw_panels(ui, &self.state));
         let ctx = ui.ctx().clone();
         for command in commands {
             self.apply(&ctx, command);
@@ -348,15 +312,6 @@ impl eframe::App for App {
     fn as_any_mut(&mut self) -> Option<&mut dyn std::any::Any> {
         Some(self)
     }
-}
-
-fn png(image: &ColorImage) -> Result<Vec<u8>, String> {
-    let [width, height] = image.size.map(|side| side as u32);
-    let pixels: Vec<u8> = image.pixels.iter().flat_map(|pixel| pixel.to_opaque().to_array()).collect();
-    let picture = image::RgbaImage::from_raw(width, height, pixels).ok_or("its size does not match its pixels")?;
-    let mut bytes = std::io::Cursor::new(Vec::new());
-    picture.write_to(&mut bytes, image::ImageFormat::Png).map_err(|error| error.to_string())?;
-    Ok(bytes.into_inner())
 }
 
 /// The command that a read file stands for.

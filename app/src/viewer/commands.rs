@@ -12,8 +12,8 @@ use super::goal_drag::GoalDrag;
 use super::state::{IkChoice, Presentation, Side, StageState, Step, ThemeChoice};
 use super::{
     Document, Edge, GraspCommand, HandoverCommand, LabCommand, Layer, LookCommand, Opened, Overlay, PanelSizes,
-    PlaceCommand, PlanCommand, Playback, PoseCommand, ReachCommand, TourCommand, ViewCommand, ViewEffect, ViewerState,
-    playback, share,
+    PictureCommand, PictureEffect, PlaceCommand, PlanCommand, Playback, PoseCommand, ReachCommand, Saved, TourCommand,
+    ViewCommand, ViewEffect, ViewerState, playback, share,
 };
 use crate::export::MotionFormat;
 use crate::render::Camera;
@@ -113,8 +113,10 @@ pub enum Command {
     Look(LookCommand),
     /// Moves the camera.
     View(ViewCommand),
-    /// Saves a picture of the view.
-    Screenshot,
+    /// Saves what the view shows.
+    Picture(PictureCommand),
+    /// Saves a table or a plot.
+    Save(Saved),
     /// Copies a link to this view.
     Share,
     /// Opens what a link or a session holds.
@@ -140,8 +142,8 @@ pub enum Effect {
     Cancel,
     /// Move the camera.
     View(ViewEffect),
-    /// Save a picture of the view.
-    Screenshot,
+    /// Take a picture of the view, or many.
+    Picture(PictureEffect),
     /// Bring a file of a reachability map: `maps/alita_left.reach`.
     FetchMap(String),
     /// Hand a file to the person.
@@ -311,7 +313,8 @@ impl ViewerState {
             Command::ResetLayout => self.sizes = PanelSizes::default(),
             Command::Look(command) => return self.apply_look(command),
             Command::View(command) => return self.apply_view(command),
-            Command::Screenshot => return vec![Effect::Screenshot],
+            Command::Picture(command) => return self.apply_picture(command),
+            Command::Save(saved) => return self.save(saved),
             Command::Share => return vec![Effect::Share],
             Command::OpenShared(opened) => return self.open_shared(*opened),
             Command::Restore => return self.restore(),

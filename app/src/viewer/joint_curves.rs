@@ -35,18 +35,18 @@ impl Curve {
 
 /// A joint of the arm as its plots need it.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct ArmJoint {
+pub(crate) struct ArmJoint {
     /// Name in the URDF.
-    pub(super) name: String,
+    pub(crate) name: String,
     /// Whether it turns; else it slides.
-    pub(super) turns: bool,
+    pub(crate) turns: bool,
     /// Lower and upper end of each [`Curve`], the shares of the scene's motion settings taken into account.
-    pub(super) limits: [(f64, f64); 3],
+    pub(crate) limits: [(f64, f64); 3],
 }
 
 impl ArmJoint {
     /// The joints of the arm that a plan moves, from shoulder to wrist; none for a plan of another robot.
-    pub(super) fn of(plan: &Plan, robot: &Robot, scene: &Scene, count: usize) -> Vec<Self> {
+    pub(crate) fn of(plan: &Plan, robot: &Robot, scene: &Scene, count: usize) -> Vec<Self> {
         if plan.q_start.len() != robot.dof_count() {
             return Vec::new();
         }
@@ -67,7 +67,7 @@ impl ArmJoint {
     }
 
     /// Unit in which a person reads a curve, and how many of it are one SI unit.
-    pub(super) fn unit(&self, curve: Curve) -> (&'static str, f64) {
+    pub(crate) fn unit(&self, curve: Curve) -> (&'static str, f64) {
         match (self.turns, curve) {
             (true, Curve::Position) => ("°", 180.0 / std::f64::consts::PI),
             (true, Curve::Velocity) => ("°/s", 180.0 / std::f64::consts::PI),
@@ -80,7 +80,7 @@ impl ArmJoint {
 }
 
 /// Times from the start of the plan, seconds, and values of a column of its trajectories, SI units.
-pub(super) fn samples(plan: &Plan, column: usize, curve: Curve) -> Vec<(f64, f64)> {
+pub(crate) fn samples(plan: &Plan, column: usize, curve: Curve) -> Vec<(f64, f64)> {
     plan.phases.iter().flat_map(|phase| of_phase(phase, column, curve)).collect()
 }
 
@@ -108,7 +108,7 @@ fn differences(values: &[(f64, f64)], ends: (f64, f64)) -> Vec<(f64, f64)> {
 }
 
 /// The value of sampled times and values at a time, linear between samples, held beyond them.
-pub(super) fn value_at(values: &[(f64, f64)], time_s: f64) -> Option<f64> {
+pub(crate) fn value_at(values: &[(f64, f64)], time_s: f64) -> Option<f64> {
     let after = values.partition_point(|&(t, _)| t <= time_s);
     let (Some(&(t0, v0)), Some(&(t1, v1))) = (after.checked_sub(1).and_then(|k| values.get(k)), values.get(after))
     else {

@@ -8,6 +8,7 @@
 
 mod actions;
 mod app;
+mod app_picture;
 mod app_share;
 mod captions;
 mod commands;
@@ -35,7 +36,9 @@ mod measuring;
 mod number;
 mod outputs;
 mod panels;
+mod photographer;
 mod pick;
+mod picturing;
 mod placing;
 mod planning;
 mod playback;
@@ -45,6 +48,7 @@ mod reach;
 mod reach_view;
 mod region_drag;
 mod regions;
+mod saving;
 mod share;
 mod slider;
 mod state;
@@ -58,6 +62,7 @@ mod updates;
 mod view3d;
 mod viewing;
 mod widgets;
+mod words;
 
 pub use app::{App, StartOptions};
 pub use commands::{Command, Effect};
@@ -67,6 +72,7 @@ pub use format::count;
 pub use grasping::{GraspCommand, GraspPage, Grasping, GraspingKey};
 pub use handing::HandoverCommand;
 pub use joint_curves::Curve;
+pub(crate) use joint_curves::{ArmJoint, samples as curve_samples};
 pub use lab::{Comparison, FitView, Lab, LabCommand, LabKey, LabPage, objective_title};
 pub use layers::{Layer, LayerView, Layers};
 pub use layout::{Edge, PanelSizes};
@@ -74,7 +80,11 @@ pub use looking::{CloudColor, CloudLook, LookCommand, Looking, Measured};
 pub use measures::{Kept, Measures};
 pub use outputs::{Dated, Outputs};
 pub use panels::draw_panels;
+pub(crate) use panels::phase_color;
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) use photographer::say_over;
 pub use pick::Pick;
+pub use picturing::{PictureCommand, PictureEffect, PicturePage, PictureSettings, Picturing, Shot, SizePreset};
 pub use placing::{PlaceCommand, Thing};
 pub use planning::{PlanCommand, PlanPage, Planning, PlanningKey, PlayPage, planner_title};
 pub use playback::Playback;
@@ -82,6 +92,7 @@ pub use posing::{HandTarget, Jog, LedHand, PoseCommand, Posing, PosingKey};
 pub use quantities::unit as unit_of;
 pub use reach::{MapSource, ReachCommand, ReachKey, ReachPage, Reaching, ShownMap, Slot, VoxelChoice};
 pub use reach_view::{Keep, ReachArms, ReachQuantity, ReachView, Slice};
+pub use saving::Saved;
 pub use share::{Offer, Opened, ShareError, SharedView, link_text, read_link, read_session, session_text};
 pub use state::{
     Hover, IkChoice, Message, Overlay, Presentation, Selection, Side, Situation, StageState, Step, ThemeChoice,
@@ -92,6 +103,8 @@ pub use table_view::{Column, ColumnSet, Listed, TableView};
 pub use theme::{Tokens, install as install_theme};
 pub use tour::{Tour, TourCommand};
 pub use viewing::{KeptView, Turning, ViewCommand, ViewEffect, Viewing};
+#[cfg(not(target_arch = "wasm32"))]
+pub(crate) use words::Words;
 
 #[cfg(all(test, not(target_arch = "wasm32")))]
 mod tests;

@@ -7,8 +7,8 @@ use endcomfort_core::job::{Refusal, Stage};
 
 use super::document::History;
 use super::{
-    ComposeInput, Demo, Document, Grasping, Lab, Layers, Looking, Offer, Outputs, PanelSizes, Planning, Playback,
-    Posing, Posture, Reaching, RobotChoice, SharedView, TableView, Thing, Tour, ViewKey, Viewing,
+    ComposeInput, Demo, Document, Grasping, Lab, Layers, Looking, Offer, Outputs, PanelSizes, Picturing, Planning,
+    Playback, Posing, Posture, Reaching, RobotChoice, SharedView, TableView, Thing, Tour, ViewKey, Viewing,
 };
 
 /// Everything the interface knows. Panels read it; [`ViewerState::apply`] and [`ViewerState::receive`] change it.
@@ -51,6 +51,8 @@ pub struct ViewerState {
     pub sizes: PanelSizes,
     /// How closely the view is looked at.
     pub looking: Looking,
+    /// Pictures and animations of the view.
+    pub picturing: Picturing,
     /// What covers the page.
     pub overlay: Overlay,
     /// The tour for newcomers, while it runs.
@@ -203,6 +205,8 @@ pub enum Overlay {
     Help,
     /// Everything that can be done, to be looked for by its name.
     Palette,
+    /// The window that saves what the view shows.
+    Picture,
 }
 
 /// The view alone, with captions; what it changed is put back at its end.
@@ -269,6 +273,7 @@ impl ViewerState {
             viewing: Viewing::default(),
             sizes: PanelSizes::default(),
             looking: Looking::default(),
+            picturing: Picturing::default(),
             overlay: Overlay::None,
             tour: None,
             presentation: None,

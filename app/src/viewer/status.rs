@@ -51,6 +51,7 @@ impl ViewerState {
                 Overlay::Gallery => json!("gallery"),
                 Overlay::Help => json!("help"),
                 Overlay::Palette => json!("palette"),
+                Overlay::Picture => json!("picture"),
             },
             "messages": self.messages.iter().map(|message| &message.text).collect::<Vec<_>>(),
         })

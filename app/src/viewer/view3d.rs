@@ -15,7 +15,7 @@ use super::region_drag::RegionDrag;
 use super::state::Step;
 use super::theme::{SECONDARY, Tokens, font};
 use super::{
-    Command, GraspCommand, HandoverCommand, LookCommand, Pick, Picture, PlaceCommand, PoseCommand, ReachCommand,
+    Command, GraspCommand, HandoverCommand, Label, LookCommand, Pick, Picture, PlaceCommand, PoseCommand, ReachCommand,
     Studio, Thing, Tone, Turning, ViewCommand, ViewEffect, ViewKey, ViewerState, flying, legends, measuring, tips,
 };
 use crate::render::{Bounds, BoundsCache, Camera, Cut, Picker, Quality, Renderer, Target, Theme, View};
@@ -78,6 +78,8 @@ pub(super) struct View3d {
     wants_side: Option<Point3<f64>>,
     /// Where the camera is put with the next picture, instead of framing anything.
     placed: Option<Camera>,
+    /// Width of the part that the panels leave free, over the height of the picture.
+    free_aspect: f64,
 }
 
 /// A camera on its way.
@@ -150,6 +152,7 @@ impl View3d {
             hands: HandGizmo::default(),
             wants_side: None,
             placed: None,
+            free_aspect: 1.0,
         }
     }
 
@@ -188,10 +191,23 @@ impl View3d {
         self.placed.unwrap_or(self.camera)
     }
 
+    /// Where the camera has to stand so that a picture of another shape shows at least what is free of panels here.
+    pub(super) fn camera_for(&self, [width, height]: [u32; 2]) -> Camera {
+        let mut camera = self.camera();
+        camera.distance_m *= (self.free_aspect * f64::from(height) / f64::from(width.max(1))).max(1.0);
+        camera
+    }
+
+    /// What draws, for pictures of other sizes.
+    pub(super) fn gpu_and_renderer(&mut self) -> (&RenderState, &mut Renderer) {
+        (&self.gpu, &mut self.renderer)
+    }
+
     /// Draws the view under the panels and gives what the person did in it.
     pub(super) fn show(&mut self, ui: &mut Ui, state: &ViewerState, studio: &mut dyn Studio) -> Vec<Command> {
         let layout = Layout::of(ui.max_rect(), state);
         let rect = layout.picture();
+        self.free_aspect = f64::from(layout.free.width() / rect.height().max(1.0));
         let response = ui.interact(layout.window, ui.scope_id().with("View"), Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "3D view"));
         let dark = ui.visuals().dark_mode;
@@ -238,7 +254,7 @@ impl View3d {
         }
         let whole = Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0));
         ui.painter().image(self.texture, rect, whole, Color32::WHITE);
-        self.labels(ui, rect);
+        labels(ui, rect, &self.camera, &self.picture.labels);
         self.gizmo.paint(ui, Shot { rect, camera: &self.camera }, state);
         self.hands.paint(ui, Shot { rect, camera: &self.camera }, state);
         measuring::paint(ui, Shot { rect, camera: &self.camera }, &layout, state);
@@ -514,32 +530,32 @@ impl View3d {
             self.camera.zoom(1.0 / nearer, anchor);
         }
     }
+}
 
-    /// Words above their places; one that would cover another is left out.
-    fn labels(&self, ui: &Ui, rect: Rect) {
-        let tokens = Tokens::of(ui);
-        let size = [f64::from(rect.width()), f64::from(rect.height())];
-        let mut taken: Vec<Rect> = Vec::new();
-        for label in &self.picture.labels {
-            let Some(at) = self.camera.project(&label.p_W, size) else { continue };
-            let at = rect.min + vec2(at.x as f32, at.y as f32);
-            let color = match label.tone {
-                Tone::Plain => tokens.text,
-                Tone::Fit => tokens.teal_text,
-                Tone::Goal => tokens.amber,
-                Tone::Grasp => tokens.violet,
-                Tone::Rejected => tokens.coral,
-            };
-            let galley = ui.painter().layout_no_wrap(label.text.clone(), font(SECONDARY), color);
-            let pill = Rect::from_center_size(at - vec2(0.0, 18.0), galley.size() + vec2(14.0, 6.0));
-            if taken.iter().any(|other| other.intersects(pill)) {
-                continue;
-            }
-            let line = Stroke::new(1.0, tokens.line);
-            ui.painter().line_segment([pill.center_bottom(), at], Stroke::new(1.0, color.gamma_multiply(0.6)));
-            ui.painter().rect(pill, 5.0, tokens.panel, line, StrokeKind::Inside);
-            ui.painter().galley(pill.center() - 0.5 * galley.size(), galley, color);
-            taken.push(pill);
+/// Words above their places; one that would cover another is left out.
+pub(super) fn labels(ui: &Ui, rect: Rect, camera: &Camera, labels: &[Label]) {
+    let tokens = Tokens::of(ui);
+    let size = [f64::from(rect.width()), f64::from(rect.height())];
+    let mut taken: Vec<Rect> = Vec::new();
+    for label in labels {
+        let Some(at) = camera.project(&label.p_W, size) else { continue };
+        let at = rect.min + vec2(at.x as f32, at.y as f32);
+        let color = match label.tone {
+            Tone::Plain => tokens.text,
+            Tone::Fit => tokens.teal_text,
+            Tone::Goal => tokens.amber,
+            Tone::Grasp => tokens.violet,
+            Tone::Rejected => tokens.coral,
+        };
+        let galley = ui.painter().layout_no_wrap(label.text.clone(), font(SECONDARY), color);
+        let pill = Rect::from_center_size(at - vec2(0.0, 18.0), galley.size() + vec2(14.0, 6.0));
+        if taken.iter().any(|other| other.intersects(pill)) {
+            continue;
         }
+        let line = Stroke::new(1.0, tokens.line);
+        ui.painter().line_segment([pill.center_bottom(), at], Stroke::new(1.0, color.gamma_multiply(0.6)));
+        ui.painter().rect(pill, 5.0, tokens.panel, line, StrokeKind::Inside);
+        ui.painter().galley(pill.center() - 0.5 * galley.size(), galley, color);
+        taken.push(pill);
     }
 }

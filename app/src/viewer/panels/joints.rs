@@ -5,7 +5,9 @@ use endcomfort_core::task::Plan;
 
 use super::Out;
 use super::plan::color;
+use super::save_menu::save_button;
 use crate::assets;
+use crate::export::{PlotKind, TableKind};
 use crate::viewer::fields::dropdown;
 use crate::viewer::joint_curves::{ArmJoint, samples, value_at};
 use crate::viewer::theme::{BODY, SECONDARY, SMALL, SMALL_RADIUS, Tokens, font, strong};
@@ -31,9 +33,13 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, plan: &Plan, out: &mut Out)
     let mut rows = vec!["All joints"];
     rows.extend(joints.iter().map(|joint| joint.name.as_str()));
     let chosen = single.map_or(0, |joint| joint + 1);
-    if let Some(row) = dropdown(ui, "Joint", rows[chosen], ui.available_width(), &rows, Some(chosen)) {
-        out.push(Command::Planning(PlanCommand::PlotJoint(row.checked_sub(1))));
-    }
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        if let Some(row) = dropdown(ui, "Joint", rows[chosen], ui.available_width() - 32.0, &rows, Some(chosen)) {
+            out.push(Command::Planning(PlanCommand::PlotJoint(row.checked_sub(1))));
+        }
+        save_button(ui, TableKind::Joints, Some(PlotKind::Joints(state.planning.curve)), out);
+    });
     ui.add_space(6.0);
     let view = View { state, plan, joints: &joints };
     match single {

@@ -11,11 +11,13 @@ mod inspector;
 mod joints;
 mod layer_list;
 mod palette;
+mod picture;
 mod plan;
 mod play;
 mod posing;
 mod presentation;
 mod reach;
+mod save_menu;
 mod scene;
 mod segment;
 mod stepper;
@@ -28,8 +30,10 @@ mod view_menu;
 
 use egui::{Ui, vec2};
 use endcomfort_core::fit::ObjectiveKind;
+use endcomfort_core::task::PhaseKind;
 
 use super::layout::Layout;
+use super::theme::Tokens;
 use super::widgets::panel;
 use super::{Command, HandoverCommand, LabCommand, Overlay, PlanCommand, ViewerState, keys};
 
@@ -55,6 +59,11 @@ impl Out {
     fn push(&mut self, command: Command) {
         self.commands.push(command);
     }
+}
+
+/// The colour of a phase, in lists, on the timeline and in plots.
+pub(crate) fn phase_color(kind: PhaseKind, dark: bool) -> egui::Color32 {
+    plan::color(kind, Tokens::for_dark(dark))
 }
 
 /// Draws every panel over whatever the `Ui` shows already, and gives what the person did, keyboard included.
@@ -84,6 +93,7 @@ pub fn draw_panels(ui: &mut Ui, state: &ViewerState) -> Vec<Command> {
         Overlay::Gallery => gallery::draw(ui, state, &mut out),
         Overlay::Help => help::draw(ui, state, &mut out),
         Overlay::Palette => palette::draw(ui, state, &mut out),
+        Overlay::Picture => picture::draw(ui, state, &mut out),
         Overlay::None => {}
     }
     tour::draw(ui, state, &layout, &mut out);

@@ -6,6 +6,8 @@ use endcomfort_core::segment::PointFate;
 
 use super::Out;
 use super::inspector::{heading, nothing_yet};
+use super::save_menu::saved_section;
+use crate::export::TableKind;
 use crate::viewer::theme::{BODY, SECONDARY, Tokens, font};
 use crate::viewer::widgets::{focus_ring, key_value, primary_button, section, text_in};
 use crate::viewer::{Command, ViewerState, format};
@@ -15,9 +17,10 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     let count = segment.clusters.len();
     let text = format!("{} on the table", format::plural(count, "cluster"));
     heading(ui, state, Stage::Segment, &text, "Every point of the cloud is accounted for.");
+    saved_section(ui, "Points", TableKind::Fates, None, out);
     fates(ui, segment);
 
-    section(ui, "Clusters, largest first");
+    saved_section(ui, "Clusters, largest first", TableKind::Clusters, None, out);
     for (index, points) in segment.clusters.iter().enumerate() {
         cluster_row(ui, state, segment, index, points.len(), out);
     }

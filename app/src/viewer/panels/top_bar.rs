@@ -124,8 +124,11 @@ fn right_part_of(ui: &mut Ui, state: &ViewerState, layout: &Layout, out: &mut Ou
     if icon_button(ui, icon, name, true, false).clicked() {
         out.push(Command::SetTheme(choice));
     }
-    if !layout.is_phone && icon_button(ui, Icon::Camera, "Save a picture of the view", true, false).clicked() {
-        out.push(Command::Screenshot);
+    let is_saving = state.overlay == Overlay::Picture;
+    if !layout.is_phone
+        && icon_button(ui, Icon::Camera, "Save a picture or an animation (I)", true, is_saving).clicked()
+    {
+        out.push(Command::Show(Overlay::Picture));
     }
     if !layout.is_phone && icon_button(ui, Icon::Link, "Copy a link to this view (Ctrl Shift S)", true, false).clicked()
     {

@@ -9,8 +9,8 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use super::{Page, invented, page};
 use crate::viewer::state::{IkChoice, Side, Situation, Step};
 use crate::viewer::{
-    ColumnSet, Command, GraspCommand, GraspPage, LabCommand, LabPage, Overlay, PlanCommand, PlanPage, PlayPage, Tokens,
-    ViewerState,
+    ColumnSet, Command, GraspCommand, GraspPage, LabCommand, LabPage, Overlay, PictureCommand, PicturePage,
+    PictureSettings, PlanCommand, PlanPage, PlayPage, SizePreset, Tokens, ViewerState,
 };
 
 const LARGE: [f32; 2] = [1440.0, 900.0];
@@ -165,6 +165,18 @@ fn plans_compared() -> ViewerState {
     with(state, [Command::Seek(4.62)])
 }
 
+/// The window that saves what the view shows, in the light theme's colours at an own size.
+fn saving(page: PicturePage, progress: Option<(usize, usize)>) -> ViewerState {
+    let state = at(Step::Play);
+    let settings = state.picturing.settings.with_preset(SizePreset::Own);
+    let commands = [
+        PictureCommand::Page(page),
+        PictureCommand::Settings(PictureSettings { transparent: true, ..settings }),
+        PictureCommand::Progress(progress),
+    ];
+    with(with(state, commands.map(Command::Picture)), [Command::Show(Overlay::Picture)])
+}
+
 /// Joints over time: of all, or of one.
 fn joints(joint: Option<usize>) -> ViewerState {
     let commands = [PlanCommand::PlayPage(PlayPage::Joints), PlanCommand::PlotJoint(joint)];
@@ -191,6 +203,11 @@ fn every_screen_is_drawn_in_both_themes() {
         ("help", PHONE, with(at(rank), [Command::Show(Overlay::Help)])),
         ("palette", SMALL, with(at(rank), [Command::Show(Overlay::Palette)])),
         ("palette", PHONE, with(at(rank), [Command::Show(Overlay::Palette)])),
+        ("save-picture", SMALL, saving(PicturePage::Picture, None)),
+        ("save-animation", SMALL, saving(PicturePage::Animation, None)),
+        ("save-animation", PHONE, saving(PicturePage::Animation, None)),
+        ("save-scene", SMALL, saving(PicturePage::Scene, None)),
+        ("save-under-way", SMALL, saving(PicturePage::Animation, Some((47, 135)))),
         ("play", SMALL, at(Step::Play)),
         ("plan-tried", SMALL, plan(PlanPage::Tried)),
         ("plan-routes", SMALL, plan(PlanPage::Routes)),

@@ -5,8 +5,10 @@ use endcomfort_core::fit::{FitSettings, ObjectiveKind};
 use endcomfort_core::job::ObjectiveFit;
 
 use super::result::{E_G, E_R};
+use crate::export::TableKind;
 use crate::viewer::icons::{self, Icon};
 use crate::viewer::panels::Out;
+use crate::viewer::panels::save_menu::saved_section;
 use crate::viewer::theme::{BODY, SECONDARY, SMALL, Tokens, font, strong};
 use crate::viewer::widgets::{focus_ring, paragraph, secondary_button, section, text_in};
 use crate::viewer::{Command, LabCommand, ViewerState, format, objective_title};
@@ -28,9 +30,12 @@ pub(super) fn formula(objective: ObjectiveKind) -> &'static str {
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     let tokens = Tokens::of(ui);
-    section(ui, "Objectives side by side");
     let comparison = state.comparison();
     let rows = comparison.map_or(0, |comparison| comparison.rows.len());
+    match rows {
+        0 => section(ui, "Objectives side by side"),
+        _ => saved_section(ui, "Objectives side by side", TableKind::Objectives, None, out),
+    }
     if let Some(comparison) = comparison {
         header(ui);
         for (elapsed_ms, row) in &comparison.rows {

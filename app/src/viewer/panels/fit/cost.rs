@@ -2,8 +2,9 @@
 
 use egui::{Color32, Ui};
 use egui_plot::{GridInput, GridMark, HoverPosition, Line, Plot, PlotPoints};
-use endcomfort_core::fit::{Fit, ObjectiveKind, RunReport};
+use endcomfort_core::fit::{Fit, ObjectiveKind};
 
+use crate::export::taken_run;
 use crate::viewer::format;
 use crate::viewer::theme::{SECONDARY, SMALL, Tokens, font};
 use crate::viewer::widgets::paragraph;
@@ -21,7 +22,7 @@ pub(super) fn draw(ui: &mut Ui, fit: &Fit, objective: ObjectiveKind) {
     // The residuals of the radial objective and of Chevalier's are lengths.
     let is_length = matches!(objective, ObjectiveKind::Radial | ObjectiveKind::Chevalier);
     let factor = if is_length { 1e3 } else { 1.0 };
-    let taken = taken(&fit.runs);
+    let taken = taken_run(&fit.runs);
     let id = ui.scope_id().with("Cost");
     let pointed: Option<usize> = ui.data(|data| data.get_temp(id)).filter(|&index| index < fit.runs.len());
     let is_near = std::cell::Cell::new(None);
@@ -109,14 +110,6 @@ fn tick(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// The run that the fit was taken from: of those on the most points the cheapest, the last of equals.
-fn taken(runs: &[RunReport]) -> usize {
-    let most = runs.iter().map(|run| run.points).max().unwrap_or(0);
-    let cost = |run: &RunReport| run.rms.last().copied().unwrap_or(f64::INFINITY);
-    let candidates = runs.iter().enumerate().filter(|(_, run)| run.points == most).rev();
-    candidates.min_by(|l, r| cost(l.1).total_cmp(&cost(r.1))).map_or(0, |(index, _)| index)
-}
-
 /// Lines at 1, 2 and 5 times the powers of ten, on a logarithmic axis; over many decades the powers alone.
 fn decades(input: GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;
@@ -140,21 +133,6 @@ fn whole_steps(input: GridInput) -> Vec<GridMark> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use endcomfort_core::fit::StopReason;
-
-    #[test]
-    fn the_taken_run_is_the_cheapest_of_those_on_all_points() {
-        let run = |points: usize, rms: f64| RunReport {
-            name: String::new(),
-            points,
-            rms: vec![1.0, rms],
-            iterations: 3,
-            stop: StopReason::Converged,
-        };
-        assert_eq!(taken(&[run(100, 0.1), run(300, 0.5), run(300, 0.4)]), 2);
-        assert_eq!(taken(&[run(300, 0.4), run(300, 0.4), run(200, 0.1)]), 1);
-        assert_eq!(taken(&[]), 0);
-    }
 
     #[test]
     fn a_logarithmic_axis_has_lines_at_round_costs() {

@@ -6,8 +6,10 @@ use endcomfort_core::job::Stage;
 
 use super::histogram;
 use crate::compose::Palette;
+use crate::export::{PlotKind, TableKind};
 use crate::render::Theme;
 use crate::viewer::panels::Out;
+use crate::viewer::panels::save_menu::saved_section;
 use crate::viewer::theme::{BODY, SECONDARY, Tokens, font};
 use crate::viewer::widgets::{key_value, key_value_colored, paragraph, secondary_button, section, text_in};
 use crate::viewer::{Command, LabCommand, StageState, ViewerState, format};
@@ -19,6 +21,7 @@ const E_G_ABS: &str = "The thesis's tables 3.2 and 3.3 were made with mean |f â€
 const VOLUME: &str = "Volume (3.11) of all parts, deformations included.";
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, fit: &Fit, out: &mut Out) {
+    saved_section(ui, "Errors", TableKind::Fits, None, out);
     let automatic = state.automatic_fit();
     let of_fit = |value: String, of: Option<String>| match of {
         Some(of) => format!("{value}, the fit has {of}"),
@@ -41,7 +44,8 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, fit: &Fit, out: &mut Out) {
 
     let distances = state.outputs.fit.as_ref().zip(state.examined_cluster());
     if let Some(distances_m) = distances.and_then(|(output, cluster)| output.distances_m.get(cluster)) {
-        section(ui, "Signed radial distance of the points");
+        let plot = Some(PlotKind::Residuals);
+        saved_section(ui, "Signed radial distance of the points", TableKind::Residuals, plot, out);
         histogram::draw(ui, distances_m);
     }
     if fit.others.is_empty() {

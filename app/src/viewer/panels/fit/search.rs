@@ -4,26 +4,28 @@ use egui::{Align, Rect, Sense, Ui, pos2, vec2};
 use endcomfort_core::fit::Fit;
 
 use super::{compare, cost};
+use crate::export::{PlotKind, TableKind};
 use crate::viewer::icons::{self, Icon};
 use crate::viewer::panels::Out;
+use crate::viewer::panels::save_menu::saved_section;
 use crate::viewer::theme::{BODY, SECONDARY, Tokens, font, strong};
-use crate::viewer::widgets::{section, text_in};
+use crate::viewer::widgets::text_in;
 use crate::viewer::{ViewerState, format};
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, fit: &Fit, out: &mut Out) {
     compare::draw(ui, state, out);
-    models(ui, fit);
-    section(ui, "Cost of every run");
+    models(ui, fit, out);
+    saved_section(ui, "Cost of every run", TableKind::Runs, Some(PlotKind::Cost), out);
     cost::draw(ui, fit, state.document.scene.fit.objective);
 }
 
 /// The models that were compared: the least criterion wins.
-fn models(ui: &mut Ui, fit: &Fit) {
+fn models(ui: &mut Ui, fit: &Fit, out: &mut Out) {
     if fit.models.is_empty() {
         return;
     }
     let tokens = Tokens::of(ui);
-    section(ui, "Models compared");
+    saved_section(ui, "Models compared", TableKind::Models, None, out);
     let least = fit.models.iter().map(|model| model.criterion).fold(f64::INFINITY, f64::min);
     for model in &fit.models {
         let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 26.0), Sense::hover());

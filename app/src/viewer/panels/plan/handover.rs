@@ -5,8 +5,10 @@ use egui::{Align, Rect, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 use endcomfort_core::handover::{Comfort, HandoverReport, Place};
 
 use super::receiver;
+use crate::export::TableKind;
 use crate::viewer::handing::Partner;
 use crate::viewer::panels::Out;
+use crate::viewer::panels::save_menu::saved_section;
 use crate::viewer::panels::scene::at;
 use crate::viewer::theme::{BODY, SECONDARY, SMALL, Tokens, font, strong};
 use crate::viewer::widgets::{focus_ring, key_value, paragraph, section, text_in};
@@ -97,7 +99,7 @@ fn bars(ui: &mut Ui, comfort: &Comfort) {
 /// All places, best first.
 fn list(ui: &mut Ui, state: &ViewerState, report: &HandoverReport, partners: &[Partner; 2], out: &mut Out) {
     let tokens = Tokens::of(ui);
-    section(ui, &format!("Places · {}", report.places.len()));
+    saved_section(ui, &format!("Places · {}", report.places.len()), TableKind::Places, None, out);
     let voxels = format::count(report.voxels);
     let edge_mm = format::millimetres(report.voxel_m);
     let text = format!("Both reach {voxels} voxels of {edge_mm} well enough. Point at a place to see it.");

@@ -4,9 +4,11 @@ use egui::{Align, Color32, Rect, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 use endcomfort_core::task::{Plan, Planner, Route};
 
 use crate::compose::Palette;
+use crate::export::TableKind;
 use crate::render::Theme;
 use crate::viewer::icons::{self, Icon};
 use crate::viewer::panels::Out;
+use crate::viewer::panels::save_menu::saved_section;
 use crate::viewer::theme::{BODY, SECONDARY, Tokens, font, strong};
 use crate::viewer::widgets::{focus_ring, paragraph, secondary_button, text_in};
 use crate::viewer::{Command, PlanCommand, ViewerState, format};
@@ -32,6 +34,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, plan: &Plan, out: &mut Out)
         }
         return;
     }
+    saved_section(ui, "Routes of the hand", TableKind::Routes, None, out);
     let text = "Point at a route to see it, click to take it. The arm cannot follow the dashed ones.";
     let _text = paragraph(ui, text, SECONDARY, tokens.secondary);
     ui.add_space(4.0);

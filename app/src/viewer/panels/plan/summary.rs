@@ -4,8 +4,10 @@ use egui::{Align, Rect, Sense, Ui, pos2, vec2};
 use endcomfort_core::task::{Phase, Plan};
 
 use super::{color, compare};
+use crate::export::{PlotKind, TableKind};
 use crate::viewer::number::{Number, number_row};
 use crate::viewer::panels::Out;
+use crate::viewer::panels::save_menu::saved_section;
 use crate::viewer::theme::{BODY, SECONDARY, Tokens, font};
 use crate::viewer::widgets::{focus_ring, key_value, secondary_button, section, switch, text_in};
 use crate::viewer::{Command, Layer, PlanCommand, ViewerState, format, playback};
@@ -23,7 +25,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, plan: &Plan, out: &mut Out)
     }
     compare::draw(ui, state, out);
 
-    section(ui, "Phases");
+    saved_section(ui, "Phases", TableKind::Phases, Some(PlotKind::Timeline), out);
     for (index, phase) in plan.phases.iter().enumerate() {
         let is_first = index == 0 || plan.phases[index - 1].leg != phase.leg;
         if plan.legs.len() > 1 && is_first {

@@ -7,8 +7,10 @@ use egui::{Role, Sense, Ui, WidgetInfo, pos2, vec2};
 use endcomfort_core::job::Refusal;
 use endcomfort_core::task::Try;
 
+use crate::export::TableKind;
 use crate::viewer::icons::{self, Icon};
 use crate::viewer::panels::Out;
+use crate::viewer::panels::save_menu::saved_section;
 use crate::viewer::theme::{BODY, SECONDARY, Tokens, font, strong};
 use crate::viewer::widgets::{elided, focus_ring, paragraph, section};
 use crate::viewer::{Command, PlanCommand, ViewerState, format};
@@ -25,6 +27,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         let _text = paragraph(ui, text, SECONDARY, tokens.secondary);
         return;
     }
+    saved_section(ui, "Tried in vain", TableKind::Tried, None, out);
     let _text = paragraph(ui, &said(tries), SECONDARY, tokens.secondary);
     ui.add_space(4.0);
     for (index, tried) in tries.iter().enumerate() {

@@ -4,8 +4,10 @@ use egui::{Align, Rect, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 use endcomfort_core::job::MapMethod;
 
 use super::explain;
+use crate::export::TableKind;
 use crate::viewer::number::{Number, number_row};
 use crate::viewer::panels::Out;
+use crate::viewer::panels::save_menu::saved_section;
 use crate::viewer::reach::ARMS;
 use crate::viewer::theme::{SECONDARY, Tokens, font};
 use crate::viewer::widgets::{
@@ -20,8 +22,16 @@ const SAMPLES: usize = 5_000_000;
 const MILLION: f64 = 1e6;
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
-    for (arm, name) in ARMS.iter().enumerate().filter(|(arm, _)| state.reaching.view.arms.needs(*arm)) {
-        section(ui, &format!("{name} arm"));
+    let is_needed = |arm: &usize| state.reaching.view.arms.needs(*arm);
+    // One table holds the voxels of both arms.
+    let saved = (0..ARMS.len()).filter(is_needed).find(|arm| state.reaching.map(*arm).is_some());
+    for (arm, name) in ARMS.iter().enumerate().filter(|(arm, _)| is_needed(arm)) {
+        let title = format!("{name} arm");
+        if saved == Some(arm) {
+            saved_section(ui, &title, TableKind::Voxels, None, out);
+        } else {
+            section(ui, &title);
+        }
         match state.reaching.slot(arm) {
             Slot::Here(shown) => facts(ui, arm, shown, out),
             Slot::Missing(reason) => {

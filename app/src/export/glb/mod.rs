@@ -1,7 +1,10 @@
-//! A scene that moves, as one binary glTF 2.0 file: bodies, colours, and an animation over the plan.
+//! A scene as one binary glTF 2.0 file: bodies and colours, with an animation over the plan, or with clouds and lines as
+//! they stand.
 //!
 //! Every body of the picture is a node; those that move have a translation and a rotation over time. Metres and
 //! seconds; the world's z is turned to glTF's y.
+
+mod marks;
 
 use std::sync::Arc;
 
@@ -9,7 +12,8 @@ use endcomfort_core::mesh::Mesh;
 use nalgebra::Isometry3;
 use serde_json::{Value, json};
 
-use crate::render::{MeshDraw, Surface};
+use self::marks::Marks;
+use crate::render::{Frame, LineDraw, MeshDraw, PointsDraw, Surface};
 
 /// Largest file that is written, bytes: 256 MB.
 const MAX_BYTES: usize = 256 << 20;
@@ -30,6 +34,21 @@ pub struct Moment {
 /// A sentence when there is nothing to write, when bodies come or go from moment to moment, or when the file would be
 /// larger than 256 MB.
 pub fn glb(moments: &[Moment]) -> Result<Vec<u8>, String> {
+    write(moments, &[], &[])
+}
+
+/// Everything that a picture shows: bodies, clouds as points in their colours, lines.
+///
+/// # Errors
+/// A sentence when the picture is empty, or when the file would be larger than 256 MB.
+pub fn glb_scene(frame: &Frame) -> Result<Vec<u8>, String> {
+    if frame.meshes.is_empty() && frame.points.is_empty() && frame.lines.is_empty() {
+        return Err("there is nothing to export".to_owned());
+    }
+    write(&[Moment { time_s: 0.0, meshes: frame.meshes.clone() }], &frame.points, &frame.lines)
+}
+
+fn write(moments: &[Moment], clouds: &[PointsDraw], lines: &[LineDraw]) -> Result<Vec<u8>, String> {
     let first = moments.first().ok_or("there is nothing to export")?;
     for moment in moments {
         let same = |(a, b): (&MeshDraw, &MeshDraw)| Arc::ptr_eq(&a.mesh, &b.mesh);
@@ -59,6 +78,8 @@ pub fn glb(moments: &[Moment]) -> Result<Vec<u8>, String> {
             "rotation": rotation(&draw.X_WM, None),
         }));
     }
+    let marks = Marks::of(&mut file, clouds, lines, looks.len())?;
+    nodes.extend((0..marks.meshes.len()).map(|mark| json!({ "mesh": meshes.len() + mark })));
     let animations = file.animation(moments)?;
     // The world: z up becomes y up.
     let half = std::f64::consts::FRAC_1_SQRT_2;
@@ -78,12 +99,15 @@ pub fn glb(moments: &[Moment]) -> Result<Vec<u8>, String> {
         "scene": 0,
         "scenes": [{ "nodes": [world] }],
         "nodes": nodes,
-        "meshes": meshes.iter().map(primitive).collect::<Vec<_>>(),
-        "materials": looks.iter().map(material).collect::<Vec<_>>(),
+        "meshes": meshes.iter().map(primitive).chain(marks.meshes).collect::<Vec<_>>(),
+        "materials": looks.iter().map(material).chain(marks.materials.iter().cloned()).collect::<Vec<_>>(),
         "accessors": file.accessors,
         "bufferViews": file.views,
         "buffers": [{ "byteLength": file.bytes.len() }],
     });
+    if !marks.materials.is_empty() {
+        root["extensionsUsed"] = json!(["KHR_materials_unlit"]);
+    }
     if let Some(animation) = animations {
         root["animations"] = json!([animation]);
     }
@@ -110,9 +134,12 @@ fn rotation(X: &Isometry3<f64>, before: Option<[f32; 4]>) -> [f32; 4] {
     q
 }
 
+/// The linear value of a display value: glTF's colours are linear.
+fn linear(c: f32) -> f32 {
+    if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+}
+
 fn material(&(color, surface): &([f32; 4], Surface)) -> Value {
-    // glTF colours are linear.
-    let linear = |c: f32| if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) };
     let [r, g, b, a] = color;
     let (metallic, roughness) = match surface {
         Surface::Gloss => (0.3, 0.25),
@@ -308,6 +335,31 @@ mod tests {
         let positions = &root["meshes"][0]["primitives"][0]["attributes"]["POSITION"];
         assert_eq!(floats(&root, &bytes, positions), [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 2.0, 0.0]);
         assert_eq!(root["accessors"][positions.as_u64().expect("an index") as usize]["max"], json!([1.0, 2.0, 0.0]));
+    }
+
+    #[test]
+    fn a_scene_has_its_clouds_as_points_and_its_paths_as_lines() {
+        let cloud = PointsDraw {
+            points: Arc::new(vec![Point3::new(1.0, 2.0, 3.0), Point3::new(-1.0, 0.0, 0.5)]),
+            colors: Arc::new(vec![[1.0, 0.5, 0.0, 1.0]]),
+            diameter_m: 0.002,
+        };
+        let line = |color: [f32; 4]| LineDraw::new(vec![Point3::origin(), Point3::new(0.0, 0.0, 1.0)], color, 2.0);
+        let lines = vec![line([0.0, 0.0, 1.0, 1.0]), line([0.0, 0.0, 1.0, 0.5]), line([0.0, 0.0, 1.0, 1.0])];
+        let meshes = vec![draw(&triangle(), Isometry3::identity())];
+        let (root, bytes) = read(&glb_scene(&Frame { meshes, points: vec![cloud], lines }).expect("a file"));
+        let mode = |mesh: usize| root["meshes"][mesh]["primitives"][0]["mode"].as_u64();
+        assert_eq!((0..5).map(mode).collect::<Vec<_>>(), [None, Some(0), Some(3), Some(3), Some(3)]);
+        assert_eq!(root["nodes"].as_array().map(Vec::len), Some(6), "each has a node, and the world one");
+        assert_eq!(root["nodes"][5]["children"], json!([0, 1, 2, 3, 4]));
+        assert_eq!(root["materials"].as_array().map(Vec::len), Some(4), "equal lines share theirs");
+        assert_eq!(root["extensionsUsed"], json!(["KHR_materials_unlit"]));
+        let attributes = &root["meshes"][1]["primitives"][0]["attributes"];
+        assert_eq!(floats(&root, &bytes, &attributes["POSITION"]), [1.0, 2.0, 3.0, -1.0, 0.0, 0.5]);
+        let colors = floats(&root, &bytes, &attributes["COLOR_0"]);
+        // Half of the display value is about a fifth of the light.
+        assert!(colors.len() == 8 && (colors[5] - 0.214).abs() < 1e-3, "{colors:?}");
+        assert!(glb_scene(&Frame::default()).is_err());
     }
 
     #[test]
