@@ -87,6 +87,7 @@ mod tests {
             let sent = Request {
                 revision: 7,
                 scene: scene(task),
+                robot: None,
                 cloud: Some(DroppedCloud { name: "a.pcd".into(), bytes: vec![0, 255, 10] }),
                 cluster: Some(2),
                 grasp: None,

@@ -8,7 +8,7 @@ use endcomfort_core::loaded::Loaded;
 use endcomfort_core::robot::HandDescription;
 use endcomfort_core::scene::Scene;
 
-use super::{Common, Failure};
+use super::{Common, Failure, robot_options};
 use crate::assets;
 
 /// Largest file that is read, bytes.
@@ -79,7 +79,7 @@ pub(super) fn hand(path: &Path) -> Result<HandDescription, Failure> {
 }
 
 /// A request for a demo, a scene file or a cloud file; a cloud is brought onto the table of the first demo.
-pub(super) fn request(name: &str, robot: Option<&str>, common: &Common) -> Result<Request, Failure> {
+pub(super) fn request(name: &str, robot: &robot_options::RobotOptions, common: &Common) -> Result<Request, Failure> {
     let (mut scene, cloud) = if is_scene(name) {
         (scene(name)?, None)
     } else {
@@ -88,16 +88,12 @@ pub(super) fn request(name: &str, robot: Option<&str>, common: &Common) -> Resul
         let file_name = path.file_name().map_or_else(|| name.to_owned(), |n| n.to_string_lossy().into_owned());
         (scene_for_clouds()?, Some(DroppedCloud { name: file_name, bytes }))
     };
-    if let Some(robot) = robot {
-        if !assets::ROBOT_NAMES.contains(&robot) {
-            return Err(Failure::new(format!("no robot {robot:?}; there are {}", assets::ROBOT_NAMES.join(" and "))));
-        }
-        scene.robot = robot.to_owned();
-    }
+    robot.apply(&mut scene)?;
     if let Some(seed) = common.seed {
         scene.seed = seed;
     }
-    Ok(Request { cloud, ..Request::new(scene) })
+    let robot = assets::library().guest(&scene.robot).map(|guest| guest.robot.clone());
+    Ok(Request { cloud, robot, ..Request::new(scene) })
 }
 
 fn scene_for_clouds() -> Result<Scene, Failure> {

@@ -14,6 +14,7 @@ mod plan;
 mod reach;
 mod reach_options;
 mod render;
+mod robot_options;
 mod segment;
 mod table;
 mod views;

@@ -7,7 +7,7 @@ use endcomfort_core::handover::HandoverReport;
 use endcomfort_core::job::{Output, Stage};
 use endcomfort_core::task::plan_json_lines;
 
-use super::{Common, Failure, input, motion_options};
+use super::{Common, Failure, input, motion_options, robot_options};
 use crate::assets;
 use crate::export::{MotionFormat, export_motion};
 use crate::jobs;
@@ -18,9 +18,8 @@ pub(super) struct Args {
     task: TaskName,
     /// A demo, a scene file or a cloud file.
     scene: String,
-    /// Robot, instead of the scene's own.
-    #[arg(long)]
-    robot: Option<String>,
+    #[command(flatten)]
+    robot: robot_options::RobotOptions,
     /// Grasp to plan with, by its number; default: in the order of rank until one succeeds.
     #[arg(long)]
     grasp: Option<u32>,
@@ -59,7 +58,7 @@ fn motion_file(text: &str) -> Result<PathBuf, String> {
 }
 
 pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
-    let mut request = input::request(&args.scene, args.robot.as_deref(), common)?;
+    let mut request = input::request(&args.scene, &args.robot, common)?;
     match args.task {
         TaskName::Pick => {
             request.scene.task.steps.clear();

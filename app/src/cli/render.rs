@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use endcomfort_core::job::Output;
 
-use super::{Common, Failure, input, reach_options};
+use super::{Common, Failure, input, reach_options, robot_options};
 use crate::figures::{Picture, PictureSettings};
 use crate::render::Theme;
 use crate::{assets, jobs};
@@ -32,9 +32,8 @@ pub(super) struct Args {
     /// Colours.
     #[arg(long, value_enum, default_value = "dark")]
     theme: ThemeName,
-    /// Robot, instead of the scene's own.
-    #[arg(long)]
-    robot: Option<String>,
+    #[command(flatten)]
+    robot: robot_options::RobotOptions,
     #[command(flatten)]
     reach: reach_options::Options,
 }
@@ -53,7 +52,7 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 }
 
 pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
-    let request = input::request(&args.scene, args.robot.as_deref(), common)?;
+    let request = input::request(&args.scene, &args.robot, common)?;
     let last = if args.time.is_some() { endcomfort_core::job::Stage::Plan } else { endcomfort_core::job::Stage::Rank };
     let robot = assets::library().robot_of(&request.scene).map_err(|error| Failure::new(error.to_string()))?;
     // A picture of a scene that cannot be planned still shows what was found on the way.

@@ -9,6 +9,7 @@
 mod actions;
 mod app;
 mod app_share;
+mod bringing;
 mod captions;
 mod commands;
 mod compose_input;
@@ -54,6 +55,7 @@ mod viewing;
 mod widgets;
 
 pub use app::{App, StartOptions};
+pub use bringing::{BringCommand, RobotDraft, RobotWindow};
 pub use commands::{Command, Effect};
 pub use compose_input::{ComposeInput, Label, Legend, LegendRow, Mark, Picture, Posture, ScaleBar, Tone, ViewKey};
 pub use document::Document;

@@ -8,7 +8,7 @@ use endcomfort_core::job::{Refusal, Stage};
 use super::document::History;
 use super::{
     ComposeInput, Demo, Document, Grasping, Lab, Layers, Offer, Outputs, Planning, Playback, Posture, Reaching,
-    RobotChoice, SharedView, TableView, Thing, ViewKey, Viewing,
+    RobotChoice, RobotWindow, SharedView, TableView, Thing, ViewKey, Viewing,
 };
 
 /// Everything the interface knows. Panels read it; [`ViewerState::apply`] and [`ViewerState::receive`] change it.
@@ -57,6 +57,8 @@ pub struct ViewerState {
     pub demos: Vec<Demo>,
     /// Name of the demo that is open; `None` for a file.
     pub demo: Option<String>,
+    /// What the files of a robot leave open, while it is asked.
+    pub bringing: Option<RobotWindow>,
     /// The robots.
     pub robots: Vec<RobotChoice>,
     /// Dark, light, or as the system has it.
@@ -264,6 +266,7 @@ impl ViewerState {
             messages: Vec::new(),
             demos,
             demo: None,
+            bringing: None,
             robots,
             theme: ThemeChoice::System,
             offer: None,
@@ -436,7 +439,8 @@ impl ViewerState {
     pub fn robot_title(&self) -> String {
         let name = &self.document.scene.robot;
         let known = self.robots.iter().find(|robot| robot.name == *name);
-        known.map_or_else(|| super::format::title_of(name), |robot| robot.title.clone())
+        let title = || super::format::title_of(endcomfort_core::guest::GuestRobot::title_of(name));
+        known.map_or_else(title, |robot| robot.title.clone())
     }
 
     /// Replaces the document: a new revision, the old results stale until new ones stand. What the change does not
@@ -447,6 +451,7 @@ impl ViewerState {
         self.newest_revision += 1;
         self.revision = self.newest_revision;
         self.document = document;
+        self.know_guest(&self.document.scene.robot.clone());
         self.running = true;
         let first = self.outputs.keep_before(reach, before, self.revision);
         for stage in Stage::ALL.into_iter().filter(|&stage| stage >= first) {

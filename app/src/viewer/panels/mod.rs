@@ -1,5 +1,6 @@
 //! The panels: one file each.
 
+mod bringing;
 mod drop_zone;
 mod fit;
 mod gallery;
@@ -8,6 +9,7 @@ mod help;
 mod inspector;
 mod joints;
 mod layer_list;
+mod own_robot;
 mod palette;
 mod plan;
 mod play;
@@ -79,6 +81,7 @@ pub fn draw_panels(ui: &mut Ui, state: &ViewerState) -> Vec<Command> {
         Overlay::Palette => palette::draw(ui, state, &mut out),
         Overlay::None => {}
     }
+    bringing::draw(ui, state, &mut out);
     drop_zone::draw(ui);
     if state.presentation.is_none() {
         follow_pointer(ui, state, &layout, &mut out);
