@@ -9,6 +9,7 @@ use crate::cloud::PointCloud;
 use crate::fit::{Fit, ObjectiveKind};
 use crate::grasp::{Grasp, Quality};
 use crate::guest::GuestRobot;
+use crate::object::HouseholdObject;
 use crate::scene::Scene;
 use crate::segment::{Plane, PointFate};
 use crate::superquadric::Superquadric;
@@ -26,6 +27,9 @@ pub struct Request {
     /// The scene's robot, if somebody brought it.
     #[serde(with = "shared")]
     pub robot: Option<Arc<GuestRobot>>,
+    /// Those of the scene's objects that somebody brought.
+    #[serde(with = "shared_list")]
+    pub objects: Vec<Arc<HouseholdObject>>,
     /// The cluster to grasp; `None` takes the one nearest to the task's object (largest, for a dropped cloud).
     pub cluster: Option<usize>,
     /// The grasp to plan with; `None` tries them in their order of rank.
@@ -50,6 +54,7 @@ impl Request {
             scene,
             cloud: None,
             robot: None,
+            objects: Vec::new(),
             cluster: None,
             grasp: None,
             shape: None,
@@ -75,6 +80,23 @@ mod shared {
         from: D,
     ) -> Result<Option<Arc<T>>, D::Error> {
         Ok(Option::<T>::deserialize(from)?.map(Arc::new))
+    }
+}
+
+/// A list of what is shared is written as itself.
+mod shared_list {
+    use std::sync::Arc;
+
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub(super) fn serialize<T: Serialize, S: Serializer>(list: &[Arc<T>], to: S) -> Result<S::Ok, S::Error> {
+        to.collect_seq(list.iter().map(AsRef::as_ref))
+    }
+
+    pub(super) fn deserialize<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+        from: D,
+    ) -> Result<Vec<Arc<T>>, D::Error> {
+        Ok(Vec::<T>::deserialize(from)?.into_iter().map(Arc::new).collect())
     }
 }
 

@@ -65,6 +65,9 @@ pub enum LibraryError {
     /// No such robot or object.
     #[error("there is no {kind} named {name:?}")]
     Unknown { kind: &'static str, name: String },
+    /// An object that somebody brought, but not here.
+    #[error("the object {title:?} of this scene is not part of the program: bring its mesh")]
+    ObjectAway { title: String },
     /// A robot that somebody brought, but not here.
     #[error("the robot {title:?} of this scene is not part of the program: bring its URDF with its meshes")]
     GuestAway { title: String },
@@ -240,6 +243,20 @@ impl Library {
         (self.read)(path).map(<[u8]>::to_vec)
     }
 
+    /// Takes in an object that somebody brought, under its name in scenes.
+    pub fn bring(&self, object: &Arc<HouseholdObject>) {
+        lock(&self.objects).insert(object.name.clone(), object.clone());
+    }
+
+    /// The objects of a scene that somebody brought, each once.
+    pub fn brought(&self, scene: &Scene) -> Vec<Arc<HouseholdObject>> {
+        let mut names: Vec<&str> = scene.objects.iter().map(|placed| placed.object.as_str()).collect();
+        names.retain(|name| HouseholdObject::is_brought(name));
+        names.sort_unstable();
+        names.dedup();
+        names.iter().filter_map(|name| self.object(name).ok()).collect()
+    }
+
     /// The household object of this name.
     ///
     /// # Errors
@@ -247,6 +264,9 @@ impl Library {
     pub fn object(&self, name: &str) -> Result<Arc<HouseholdObject>, LibraryError> {
         if let Some(object) = lock(&self.objects).get(name) {
             return Ok(object.clone());
+        }
+        if HouseholdObject::is_brought(name) {
+            return Err(LibraryError::ObjectAway { title: GuestRobot::title_of(name).to_owned() });
         }
         let json = self.text("object", name, &format!("objects/{name}.json"))?;
         let object =

@@ -2,9 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use endcomfort_core::cloud::PointCloud;
+use endcomfort_core::cloud::{Intrinsics, PointCloud};
 use endcomfort_core::collision::{AllowedCollisions, CollisionError};
 use endcomfort_core::guest::{Files, Proposal, RobotDescription};
+use endcomfort_core::loaded::Loaded;
+use endcomfort_core::mesh_file;
 use endcomfort_core::object::HouseholdObject;
 use endcomfort_core::robot::{Robot, load_robot, read_urdf};
 use endcomfort_core::scene::Scene;
@@ -19,7 +21,7 @@ const ALLOWED_PAIRS: &str = "allowed_pairs";
 
 #[derive(clap::Args)]
 pub(super) struct Args {
-    /// Clouds (PCD, PLY, XYZ), scenes and objects (JSON), robots (URDF, with an SRDF of the same name beside it; a folder,
+    /// Clouds (PCD, PLY, XYZ), depth images (PNG) and intrinsics (JSON), meshes (OBJ, STL, GLB), scenes and objects (JSON), robots (URDF, with an SRDF of the same name beside it; a folder,
     /// a .zip or a .robot.json).
     #[arg(required = true)]
     files: Vec<PathBuf>,
@@ -72,6 +74,8 @@ fn report(path: &Path, arms: &ArmOptions) -> Result<Value, Failure> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
     match extension.as_str() {
         "json" => json_file(path, &file),
+        "png" => depth_image(path, &file),
+        extension if mesh_file::ENDINGS.contains(&extension) => mesh(path, &file),
         _ => {
             let loaded = input::cloud_file(path)?;
             Ok(cloud(&file, &loaded.value, &loaded.notes))
@@ -96,9 +100,44 @@ fn cloud(file: &str, cloud: &PointCloud, notes: &[String]) -> Value {
     })
 }
 
+fn depth_image(path: &Path, file: &str) -> Result<Value, Failure> {
+    let image = brought::DepthImage::read(file, &input::read_file(path)?).map_err(Failure::new)?;
+    let measured = image.depth.iter().filter(|&&depth| depth > 0);
+    Ok(json!({
+        "file": file, "ok": true, "kind": "depth image", "width": image.width, "height": image.height,
+        "measured": measured.clone().count(), "min": measured.clone().min(), "max": measured.max(), "notes": [],
+    }))
+}
+
+fn mesh(path: &Path, file: &str) -> Result<Value, Failure> {
+    let wrong = |error: mesh_file::MeshError| Failure::new(format!("{file}: {error}"));
+    let mesh = mesh_file::read_mesh(file, &input::read_file(path)?).map_err(wrong)?;
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for p in &mesh.positions {
+        for axis in 0..3 {
+            low[axis] = low[axis].min(p[axis]);
+            high[axis] = high[axis].max(p[axis]);
+        }
+    }
+    let (unit, reason) = mesh_file::guess_unit(file, &mesh);
+    Ok(json!({
+        "file": file, "ok": true, "kind": "mesh", "triangles": mesh.triangles.len(), "vertices": mesh.positions.len(),
+        "min": low, "max": high, "unit": unit.symbol(), "notes": [reason],
+    }))
+}
+
 fn json_file(path: &Path, file: &str) -> Result<Value, Failure> {
     let bytes = input::read_file(path)?;
     let text = String::from_utf8_lossy(&bytes);
+    let json = serde_json::from_str::<Value>(&text);
+    if json.as_ref().is_ok_and(Intrinsics::is_meant_by) {
+        let Loaded { value, notes } =
+            Intrinsics::parse(&text).map_err(|error| Failure::new(format!("{file}: {error}")))?;
+        return Ok(json!({
+            "file": file, "ok": true, "kind": "intrinsics", "focal_px": value.focal_px, "center_px": value.center_px,
+            "size_px": value.size_px, "depth_scale_m": value.depth_scale_m, "notes": notes,
+        }));
+    }
     let is_object = serde_json::from_str::<Value>(&text).is_ok_and(|value| value.get("parts").is_some());
     if is_object {
         let object = HouseholdObject::parse(&text).map_err(|error| Failure::new(format!("{file}: {error}")))?;

@@ -8,6 +8,7 @@ use endcomfort_core::scene::{ArmChoice, PlacedObject, Scene, Task};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use serde_json::json;
 
+use super::depth_options::DepthOptions;
 use super::grasp_options::Options;
 use super::{ArmName, Common, Failure, input, robot_options};
 use crate::clock::stopwatch;
@@ -20,6 +21,8 @@ pub(super) struct Args {
     object: String,
     #[command(flatten)]
     robot: robot_options::RobotOptions,
+    #[command(flatten)]
+    depth: DepthOptions,
     /// Arm.
     #[arg(long, value_enum)]
     arm: Option<ArmName>,
@@ -46,7 +49,7 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
     let mut request = if assets::object_names().contains(&args.object.as_str()) {
         request_for_object(args, common)?
     } else {
-        input::request(&args.object, &args.robot, common)?
+        input::request(&args.object, &args.robot, &args.depth, common)?
     };
     if let Some(arm) = args.arm {
         request.scene.arm = arm.into();
@@ -112,7 +115,7 @@ fn write(
 
 /// The object alone on the table, in front of the arm that shall grasp it.
 fn request_for_object(args: &Args, common: &Common) -> Result<Request, Failure> {
-    let mut request = input::request(assets::DEMOS[0], &args.robot, common)?;
+    let mut request = input::request(assets::DEMOS[0], &args.robot, &args.depth, common)?;
     let base = &request.scene;
     let object = assets::library().object(&args.object).map_err(|error| Failure::new(error.to_string()))?;
     let arm: ArmChoice = args.arm.map_or(base.arm, Into::into);

@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand, one JSON object per line on request.
 
 mod check;
+mod depth_options;
 mod experiment;
 mod experiment_grasps;
 mod fit;

@@ -7,6 +7,7 @@ use endcomfort_core::handover::HandoverReport;
 use endcomfort_core::job::{Output, Stage};
 use endcomfort_core::task::plan_json_lines;
 
+use super::depth_options::DepthOptions;
 use super::{Common, Failure, input, motion_options, robot_options};
 use crate::assets;
 use crate::export::{MotionFormat, export_motion};
@@ -20,6 +21,8 @@ pub(super) struct Args {
     scene: String,
     #[command(flatten)]
     robot: robot_options::RobotOptions,
+    #[command(flatten)]
+    depth: DepthOptions,
     /// Grasp to plan with, by its number; default: in the order of rank until one succeeds.
     #[arg(long)]
     grasp: Option<u32>,
@@ -58,7 +61,7 @@ fn motion_file(text: &str) -> Result<PathBuf, String> {
 }
 
 pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
-    let mut request = input::request(&args.scene, &args.robot, common)?;
+    let mut request = input::request(&args.scene, &args.robot, &args.depth, common)?;
     match args.task {
         TaskName::Pick => {
             request.scene.task.steps.clear();

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use endcomfort_core::job::Output;
 
+use super::depth_options::DepthOptions;
 use super::{Common, Failure, input, reach_options, robot_options};
 use crate::figures::{Picture, PictureSettings};
 use crate::render::Theme;
@@ -35,6 +36,8 @@ pub(super) struct Args {
     #[command(flatten)]
     robot: robot_options::RobotOptions,
     #[command(flatten)]
+    depth: DepthOptions,
+    #[command(flatten)]
     reach: reach_options::Options,
 }
 
@@ -52,7 +55,7 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 }
 
 pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
-    let request = input::request(&args.scene, &args.robot, common)?;
+    let request = input::request(&args.scene, &args.robot, &args.depth, common)?;
     let last = if args.time.is_some() { endcomfort_core::job::Stage::Plan } else { endcomfort_core::job::Stage::Rank };
     let robot = assets::library().robot_of(&request.scene).map_err(|error| Failure::new(error.to_string()))?;
     // A picture of a scene that cannot be planned still shows what was found on the way.

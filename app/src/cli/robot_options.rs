@@ -4,19 +4,41 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use endcomfort_core::guest::{ArmWish, GuestRobot, Proposal, READY, Wishes};
+use endcomfort_core::mesh_file::MeshUnit;
 use endcomfort_core::robot::Placement;
 use endcomfort_core::scene::{Scene, TableTop};
 
 use super::{Failure, input};
 use crate::{assets, brought};
 
-#[derive(clap::Args, Clone, Default)]
+#[derive(clap::Args, Clone)]
 pub(super) struct RobotOptions {
     /// Robot, instead of the scene's own: crichton, alita, or yours as a URDF, a folder, a .zip or a .robot.json.
     #[arg(long)]
     pub(super) robot: Option<String>,
     #[command(flatten)]
     pub(super) arms: ArmOptions,
+    /// Unit of a mesh file (.obj, .stl, .glb) in place of a scene; default: guessed from its size.
+    #[arg(long, value_enum)]
+    pub(super) unit: Option<UnitName>,
+}
+
+/// The unit of a mesh file.
+#[derive(Clone, Copy, clap::ValueEnum)]
+pub(super) enum UnitName {
+    M,
+    Cm,
+    Mm,
+}
+
+impl From<UnitName> for MeshUnit {
+    fn from(name: UnitName) -> Self {
+        match name {
+            UnitName::M => Self::Metres,
+            UnitName::Cm => Self::Centimetres,
+            UnitName::Mm => Self::Millimetres,
+        }
+    }
 }
 
 /// What is not said in the files of a robot of one's own.

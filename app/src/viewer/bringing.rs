@@ -6,12 +6,14 @@ use endcomfort_core::guest::{
     ArmDescription, Files, GuestRobot, LEAST_JOINTS, Proposal, READY, RobotDescription, Wishes,
 };
 use endcomfort_core::job::MapMethod;
+use endcomfort_core::mesh_file::MeshUnit;
 use endcomfort_core::reach::ForwardSettings;
 use endcomfort_core::robot::ik::ArmIk;
 use endcomfort_core::robot::{HandDescription, JointKind, Placement, Robot, read_urdf};
 use endcomfort_core::scene::ArmChoice;
 
-use super::{Command, Effect, RobotChoice, ViewEffect, ViewerState};
+use super::{Command, DepthWindow, Effect, MeshWindow, RobotChoice, ViewEffect, ViewerState};
+use crate::brought::{is_mesh, is_png};
 use crate::{assets, brought};
 
 /// Hands of `robots/hands/` that an arm may be given.
@@ -29,12 +31,27 @@ pub enum BringCommand {
     OpenRobot,
     /// Changes what is asked for in the window.
     Draft(RobotDraft),
-    /// Takes what stands in the window.
-    Accept,
+    /// Sets the field of view of a depth image, degrees.
+    SetView(f64),
+    /// Sets the unit of a mesh.
+    SetUnit(MeshUnit),
+    /// Takes what stands in the window; of a mesh whether it is grasped, or stands in the way.
+    Accept { is_grasped: bool },
     /// Closes the window; nothing changes.
     Cancel,
     /// Saves what was chosen for the robot as a small file.
     SaveChoice,
+}
+
+/// The window that is open.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Bringing {
+    /// About a robot.
+    Robot(RobotWindow),
+    /// About a depth image without its camera.
+    Depth(DepthWindow),
+    /// About a mesh.
+    Mesh(MeshWindow),
 }
 
 /// The window that asks what the files of a robot leave open.
@@ -129,16 +146,34 @@ impl ViewerState {
             BringCommand::Files(files) => return self.bring(files),
             BringCommand::OpenRobot => {
                 if let Some(guest) = assets::library().guest(&self.document.scene.robot) {
-                    self.bringing = Some(RobotWindow::of(guest.robot.clone(), Vec::new(), None));
+                    let window = RobotWindow::of(guest.robot.clone(), Vec::new(), None);
+                    self.bringing = Some(Bringing::Robot(window));
                 }
             }
             BringCommand::Draft(draft) => {
-                if let Some(window) = &mut self.bringing {
+                if let Some(Bringing::Robot(window)) = &mut self.bringing {
                     window.draft = draft;
                     window.problem = None;
                 }
             }
-            BringCommand::Accept => return self.accept_robot(),
+            BringCommand::SetView(degrees) => {
+                if let Some(Bringing::Depth(window)) = &mut self.bringing {
+                    (window.view_deg, window.problem) = (degrees, None);
+                }
+            }
+            BringCommand::SetUnit(unit) => {
+                if let Some(Bringing::Mesh(window)) = &mut self.bringing {
+                    (window.unit, window.problem) = (unit, None);
+                }
+            }
+            BringCommand::Accept { is_grasped } => {
+                return match self.bringing.take() {
+                    Some(Bringing::Robot(window)) => self.accept_robot(window),
+                    Some(Bringing::Depth(window)) => self.accept_depth(window),
+                    Some(Bringing::Mesh(window)) => self.accept_mesh(window, is_grasped),
+                    None => Vec::new(),
+                };
+            }
             BringCommand::Cancel => self.bringing = None,
             BringCommand::SaveChoice => return self.save_choice(),
         }
@@ -164,6 +199,9 @@ impl ViewerState {
         if let Some(effects) = self.bring_choice(&sorted, &shown) {
             return effects;
         }
+        if let Some(effects) = self.bring_depth(&sorted).or_else(|| self.bring_mesh(&sorted)) {
+            return effects;
+        }
         // Nothing that belongs together: one scene or cloud at a time.
         let is_opened = |path: &&str| OPENED.iter().any(|ending| path.to_ascii_lowercase().ends_with(ending));
         let path = sorted.paths().find(is_opened).or_else(|| sorted.paths().next()).map(str::to_owned);
@@ -183,7 +221,8 @@ impl ViewerState {
         match brought::proposed(files, &Wishes::default(), &table, None) {
             Err(reason) => self.apply(Command::FileFailed { name: shown.to_owned(), reason }),
             Ok(Proposal { guest, notes, problem: problem @ Some(_) }) => {
-                self.bringing = Some(RobotWindow::of(Arc::new(guest), notes, problem.clone()));
+                let window = RobotWindow::of(Arc::new(guest), notes, problem.clone());
+                self.bringing = Some(Bringing::Robot(window));
                 problem.map(Effect::Announce).into_iter().collect()
             }
             Ok(Proposal { guest, notes, problem: None }) => {
@@ -211,8 +250,7 @@ impl ViewerState {
         Some(result.unwrap_or_else(|reason| failed(self, reason)))
     }
 
-    fn accept_robot(&mut self) -> Vec<Effect> {
-        let Some(mut window) = self.bringing.take() else { return Vec::new() };
+    fn accept_robot(&mut self, mut window: RobotWindow) -> Vec<Effect> {
         let asked = window.asked();
         let checked = asked.description.check().and_then(|()| brought::settled(asked, &self.document.scene.table));
         let result = checked.map_err(|error| error.to_string());
@@ -220,7 +258,7 @@ impl ViewerState {
             Ok(effects) => effects,
             Err(reason) => {
                 window.problem = Some(reason.clone());
-                self.bringing = Some(window);
+                self.bringing = Some(Bringing::Robot(window));
                 vec![Effect::Announce(reason)]
             }
         }
@@ -275,8 +313,8 @@ impl ViewerState {
 
     fn save_choice(&mut self) -> Vec<Effect> {
         let guest = match &self.bringing {
-            Some(window) => window.asked(),
-            None => match assets::library().guest(&self.document.scene.robot) {
+            Some(Bringing::Robot(window)) => window.asked(),
+            _ => match assets::library().guest(&self.document.scene.robot) {
                 Some(guest) => (*guest.robot).clone(),
                 None => return Vec::new(),
             },
@@ -306,11 +344,14 @@ fn has_closed_form(robot: &str) -> bool {
     robot.arms.iter().all(|arm| ArmIk::of(&robot, arm).is_ok_and(|ik| ik.closed_form().is_some()))
 }
 
-/// Whether a single file is one that others may belong to: a robot, an archive, a remembered choice.
+/// Whether a single file is one that others may belong to or that is asked about: a robot, an archive, a remembered
+/// choice, a depth image, a mesh.
 fn is_part_of_more(path: &str, bytes: &[u8]) -> bool {
     let path = path.to_ascii_lowercase();
     let is_choice = || serde_json::from_slice(bytes).is_ok_and(|json| RobotDescription::is_meant_by(&json));
-    [".urdf", ".xacro", ".zip"].iter().any(|ending| path.ends_with(ending)) || path.ends_with(".json") && is_choice()
+    let is_asked_about =
+        is_png(bytes) || is_mesh(&path) || [".urdf", ".xacro", ".zip"].iter().any(|e| path.ends_with(e));
+    is_asked_about || path.ends_with(".json") && is_choice()
 }
 
 /// The last part of a path.

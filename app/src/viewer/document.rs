@@ -33,6 +33,7 @@ impl Document {
         Request {
             revision,
             cloud: self.cloud.as_deref().cloned(),
+            objects: assets::library().brought(&self.scene),
             robot: assets::library().guest(&self.scene.robot).map(|guest| guest.robot.clone()),
             cluster: self.cluster,
             grasp: self.grasp,

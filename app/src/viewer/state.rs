@@ -7,8 +7,8 @@ use endcomfort_core::job::{Refusal, Stage};
 
 use super::document::History;
 use super::{
-    ComposeInput, Demo, Document, Grasping, Lab, Layers, Offer, Outputs, Planning, Playback, Posture, Reaching,
-    RobotChoice, RobotWindow, SharedView, TableView, Thing, ViewKey, Viewing,
+    Bringing, ComposeInput, Demo, Document, Grasping, Lab, Layers, Offer, Outputs, Planning, Playback, Posture,
+    Reaching, RobotChoice, SharedView, TableView, Thing, ViewKey, Viewing,
 };
 
 /// Everything the interface knows. Panels read it; [`ViewerState::apply`] and [`ViewerState::receive`] change it.
@@ -57,8 +57,8 @@ pub struct ViewerState {
     pub demos: Vec<Demo>,
     /// Name of the demo that is open; `None` for a file.
     pub demo: Option<String>,
-    /// What the files of a robot leave open, while it is asked.
-    pub bringing: Option<RobotWindow>,
+    /// What files leave open, while it is asked.
+    pub bringing: Option<Bringing>,
     /// The robots.
     pub robots: Vec<RobotChoice>,
     /// Dark, light, or as the system has it.

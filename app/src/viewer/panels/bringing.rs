@@ -4,7 +4,7 @@ use egui::{Id, Modal, ScrollArea, Stroke, Ui};
 use endcomfort_core::guest::ArmDescription;
 use endcomfort_core::robot::Placement;
 
-use super::Out;
+use super::{Out, bringing_files};
 use crate::viewer::bringing::{HANDS, RobotDraft, RobotWindow, given_hand, joint_count};
 use crate::viewer::fields::dropdown;
 use crate::viewer::number::{Number, Touch, number};
@@ -12,7 +12,7 @@ use crate::viewer::theme::{BODY, RADIUS, SECONDARY, Tokens};
 use crate::viewer::widgets::{
     paragraph, primary_button, secondary_button, section, segmented, segmented_wide, switch, title,
 };
-use crate::viewer::{BringCommand, Command, ViewerState};
+use crate::viewer::{BringCommand, Bringing, Command, ViewerState};
 
 const WIDTH: f32 = 460.0;
 /// Titles of [`HANDS`], after the arm's own fingers.
@@ -79,7 +79,15 @@ const STAND: [Number; 4] = [
 ];
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
-    let Some(window) = &state.bringing else { return };
+    match &state.bringing {
+        None => {}
+        Some(Bringing::Robot(window)) => robot(ui, window, out),
+        Some(Bringing::Depth(window)) => bringing_files::depth(ui, window, out),
+        Some(Bringing::Mesh(window)) => bringing_files::mesh(ui, window, out),
+    }
+}
+
+fn robot(ui: &mut Ui, window: &RobotWindow, out: &mut Out) {
     let tokens = Tokens::of(ui);
     let frame = egui::Frame::new()
         .fill(tokens.overlay)
@@ -115,7 +123,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 8.0;
             if primary_button(ui, "Use this robot", true).clicked() {
-                out.push(Command::Bring(BringCommand::Accept));
+                out.push(Command::Bring(BringCommand::Accept { is_grasped: false }));
             }
             if secondary_button(ui, "Save the choice", true).clicked() {
                 out.push(Command::Bring(BringCommand::SaveChoice));

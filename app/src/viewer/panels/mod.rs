@@ -1,6 +1,7 @@
 //! The panels: one file each.
 
 mod bringing;
+mod bringing_files;
 mod drop_zone;
 mod fit;
 mod gallery;
