@@ -73,7 +73,7 @@ pub enum LibraryError {
     GuestAway { title: String },
     /// The files of a robot that somebody brought are wrong.
     #[error("robot {title:?}: {source}")]
-    Guest { title: String, source: GuestError },
+    Guest { title: String, source: Box<GuestError> },
     /// A robot's files are wrong.
     #[error("robot {name:?}: {source}")]
     Robot { name: String, source: RobotError },
@@ -142,7 +142,7 @@ impl Library {
         if lock(&self.guests).contains_key(&name) {
             return Ok(name);
         }
-        let failed = |source| LibraryError::Guest { title: robot.title().to_owned(), source };
+        let failed = |source| LibraryError::Guest { title: robot.title().to_owned(), source: Box::new(source) };
         let BuiltGuest { robot: built, notes, missing } = robot.build(&|uri: &str| self.mesh(uri)).map_err(failed)?;
         lock(&self.robots).insert(name.clone(), Arc::new(built));
         lock(&self.guests).insert(name.clone(), Arc::new(Guest { robot: robot.clone(), notes, missing }));

@@ -37,13 +37,6 @@ pub struct BroughtMesh {
     pub reason: String,
 }
 
-/// A file that is brought twice is one file.
-impl PartialEq for BroughtMesh {
-    fn eq(&self, other: &Self) -> bool {
-        self.name == other.name && self.unit == other.unit && Arc::ptr_eq(&self.mesh, &other.mesh)
-    }
-}
-
 impl BroughtMesh {
     /// Reads a mesh file.
     ///

@@ -1,6 +1,6 @@
 //! Robots that people bring, with the hand that one without fingers is given.
 
-use endcomfort_core::guest::{Files, GuestError, GuestRobot, Proposal, Wishes, propose};
+use endcomfort_core::guest::{Files, GuestRobot, Proposal, Wishes, propose};
 use endcomfort_core::library::LibraryError;
 use endcomfort_core::robot::HandDescription;
 use endcomfort_core::scene::TableTop;
@@ -37,8 +37,8 @@ pub fn proposed(
 /// The robot with a place and a start posture where its description has none.
 ///
 /// # Errors
-/// [`GuestError`] when its files do not fit its description.
-pub fn settled(guest: GuestRobot, table: &TableTop) -> Result<(GuestRobot, Vec<String>), GuestError> {
+/// A sentence when its files do not fit its description.
+pub fn settled(guest: GuestRobot, table: &TableTop) -> Result<(GuestRobot, Vec<String>), String> {
     let library = assets::library();
-    guest.settled(table, &|uri: &str| library.mesh(uri))
+    guest.settled(table, &|uri: &str| library.mesh(uri)).map_err(|error| error.to_string())
 }

@@ -17,7 +17,8 @@ use crate::{assets, jobs};
 
 #[derive(clap::Args)]
 pub(super) struct Args {
-    /// A household object by name, a demo, a scene file or a cloud file.
+    /// A household object by name, a demo, a scene file, a cloud file, a depth image (16-bit PNG) or a mesh (.obj, .stl,
+    /// .glb).
     object: String,
     #[command(flatten)]
     robot: robot_options::RobotOptions,

@@ -17,7 +17,7 @@ use crate::jobs;
 pub(super) struct Args {
     /// What to do with the object.
     task: TaskName,
-    /// A demo, a scene file or a cloud file.
+    /// A demo, a scene file, a cloud file, a depth image (16-bit PNG) or a mesh (.obj, .stl, .glb).
     scene: String,
     #[command(flatten)]
     robot: robot_options::RobotOptions,

@@ -13,7 +13,7 @@ use crate::{assets, jobs};
 
 #[derive(clap::Args)]
 pub(super) struct Args {
-    /// A demo, a scene file or a cloud file.
+    /// A demo, a scene file, a cloud file, a depth image (16-bit PNG) or a mesh (.obj, .stl, .glb).
     scene: String,
     /// The PNG file.
     #[arg(long)]

@@ -15,7 +15,7 @@ use crate::clock::stopwatch;
 
 #[derive(clap::Args)]
 pub(super) struct Args {
-    /// A demo, a scene file or a cloud file.
+    /// A demo, a scene file, a cloud file or a depth image (16-bit PNG).
     scene: String,
     #[command(flatten)]
     depth: DepthOptions,

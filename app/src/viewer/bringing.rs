@@ -16,8 +16,9 @@ use super::{Command, DepthWindow, Effect, MeshWindow, RobotChoice, ViewEffect, V
 use crate::brought::{is_mesh, is_png};
 use crate::{assets, brought};
 
-/// Hands of `robots/hands/` that an arm may be given.
-pub(super) const HANDS: [&str; 3] = ["pg70", "sdh", "adaptive"];
+/// Hands of `robots/hands/` that an arm may be given: file, and the name in it.
+pub(super) const HANDS: [(&str, &str); 3] =
+    [("pg70", "PG 70 with flat fingers"), ("sdh", "SDH"), ("adaptive", "Two adaptive fingers")];
 
 /// Endings of files that are opened one at a time.
 const OPENED: [&str; 7] = [".pcd", ".ply", ".xyz", ".json", ".reach", ".txt", ".asc"];
@@ -44,7 +45,7 @@ pub enum BringCommand {
 }
 
 /// The window that is open.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum Bringing {
     /// About a robot.
     Robot(RobotWindow),
@@ -55,10 +56,12 @@ pub enum Bringing {
 }
 
 /// The window that asks what the files of a robot leave open.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct RobotWindow {
     /// The robot as it came or as it acts.
     pub guest: Arc<GuestRobot>,
+    /// Its tree of links, without meshes.
+    pub tree: Option<Arc<Robot>>,
     /// Its links, in the order of the tree.
     pub links: Vec<String>,
     /// Its moving joints: name, and whether it slides.
@@ -84,13 +87,13 @@ pub struct RobotDraft {
 
 impl RobotWindow {
     fn of(guest: Arc<GuestRobot>, notes: Vec<String>, problem: Option<String>) -> Self {
-        let bare = read_urdf(&guest.urdf, &|_| None).map(|loaded| loaded.value).ok();
+        let bare = read_urdf(&guest.urdf, &|_| None).map(|loaded| Arc::new(loaded.value)).ok();
         let links = bare.iter().flat_map(|robot| robot.links.iter().map(|link| link.name.clone())).collect();
         let moving = |robot: &Robot| -> Vec<(String, bool)> {
             let joints = robot.dof_joints.iter().map(|&joint| &robot.joints[joint]);
             joints.map(|joint| (joint.name.clone(), joint.kind == JointKind::Prismatic)).collect()
         };
-        let joints: Vec<(String, bool)> = bare.as_ref().map(moving).unwrap_or_default();
+        let joints: Vec<(String, bool)> = bare.as_deref().map(moving).unwrap_or_default();
         let RobotDescription { arms, stand, posture, .. } = &guest.description;
         let positions = || joints.iter().map(|(name, _)| posture.get(name).copied().unwrap_or(0.0)).collect();
         let mut arms = arms.clone();
@@ -99,7 +102,7 @@ impl RobotWindow {
         }
         let posture = (!posture.is_empty()).then(positions);
         let draft = RobotDraft { arms, stand: *stand, posture };
-        Self { guest, links, joints, notes, problem, draft }
+        Self { guest, tree: bare, links, joints, notes, problem, draft }
     }
 
     /// The robot that stands in the window.
@@ -193,6 +196,7 @@ impl ViewerState {
             Ok(sorted) => sorted,
             Err(error) => return self.apply(Command::FileFailed { name: shown, reason: error.to_string() }),
         };
+        (self.overlay, self.drawer) = (super::Overlay::None, None);
         if sorted.has_robot() {
             return self.bring_robot(&sorted, &shown);
         }
@@ -245,16 +249,16 @@ impl ViewerState {
             return Some(failed(self, reason));
         };
         let guest = GuestRobot { description, ..(*present.robot).clone() };
-        let settled = brought::settled(guest, &self.document.scene.table).map_err(|error| error.to_string());
+        let settled = brought::settled(guest, &self.document.scene.table);
         let result = settled.and_then(|(guest, notes)| self.let_guest_act(guest, notes));
         Some(result.unwrap_or_else(|reason| failed(self, reason)))
     }
 
     fn accept_robot(&mut self, mut window: RobotWindow) -> Vec<Effect> {
         let asked = window.asked();
-        let checked = asked.description.check().and_then(|()| brought::settled(asked, &self.document.scene.table));
-        let result = checked.map_err(|error| error.to_string());
-        match result.and_then(|(guest, notes)| self.let_guest_act(guest, notes)) {
+        let checked = asked.description.check().map_err(|error| error.to_string());
+        let settled = checked.and_then(|()| brought::settled(asked, &self.document.scene.table));
+        match settled.and_then(|(guest, notes)| self.let_guest_act(guest, notes)) {
             Ok(effects) => effects,
             Err(reason) => {
                 window.problem = Some(reason.clone());
@@ -361,7 +365,7 @@ fn name_of(path: &str) -> String {
 
 /// How many joints an arm in the window has, and how many it needs.
 pub(super) fn joint_count(window: &RobotWindow, arm: &ArmDescription) -> Option<(usize, usize)> {
-    let robot = read_urdf(&window.guest.urdf, &|_| None).ok()?.value;
+    let robot = window.tree.as_ref()?;
     let chain = robot.chain(robot.link_index(&arm.base_link)?, robot.link_index(&arm.tip_link)?)?;
     Some((chain.iter().filter(|&&joint| robot.joints[joint].dof.is_some()).count(), LEAST_JOINTS))
 }

@@ -16,7 +16,7 @@ use crate::brought::{BroughtMesh, DepthImage, is_mesh, is_png};
 const USUAL_VIEW_DEG: f64 = 58.0;
 
 /// The window that asks for the field of view of a depth image.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct DepthWindow {
     /// The image.
     pub image: Arc<DepthImage>,
@@ -27,7 +27,7 @@ pub struct DepthWindow {
 }
 
 /// The window that asks what a mesh is.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct MeshWindow {
     /// The mesh.
     pub mesh: BroughtMesh,

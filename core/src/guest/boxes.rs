@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use crate::robot::{CollisionBody, Geometry, Material, MissingMesh, Robot, Visual};
 
 /// Name of the material by which whoever draws knows a box that stands for something else.
-pub(super) const MISSING: &str = "missing";
+pub const MISSING_MATERIAL: &str = "missing";
 /// Colour of such a box, sRGB and opacity.
 const COLOR: [f32; 4] = [0.95, 0.60, 0.12, 0.75];
 /// A box reaches this far beyond the joints of its link, metres: half the thickness of a slender arm.
@@ -24,7 +24,7 @@ pub(super) fn add_boxes(robot: &mut Robot, missing: &[MissingMesh]) {
         }
         let (X_LB, geometry) = box_of(robot, link);
         if is_drawn {
-            let material = Material { name: MISSING.to_owned(), rgba: COLOR };
+            let material = Material { name: MISSING_MATERIAL.to_owned(), rgba: COLOR };
             robot.links[link].visuals.push(Visual { X_LV: X_LB, geometry: geometry.clone(), material });
         }
         if collides {

@@ -28,6 +28,7 @@ mod zip;
 
 pub use arms::{FoundArm, LEAST_JOINTS, find_arms};
 pub use blob::Blob;
+pub use boxes::MISSING_MATERIAL;
 pub use build::BuiltGuest;
 pub use description::{ArmDescription, ROBOT_FILE_VERSION, RobotDescription};
 pub use error::GuestError;

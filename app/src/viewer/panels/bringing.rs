@@ -192,15 +192,12 @@ fn one_arm(ui: &mut Ui, window: &RobotWindow, arm: &mut ArmDescription, names: &
     }
     let present = match &arm.hand {
         None => 0,
-        Some(hand) => HANDS
-            .iter()
-            .position(|name| given_hand(name).is_some_and(|known| known.name == hand.name))
-            .map_or(usize::MAX, |index| index + 1),
+        Some(hand) => HANDS.iter().position(|(_, name)| *name == hand.name).map_or(usize::MAX, |index| index + 1),
     };
     let own = arm.hand.as_ref().map_or(HAND_TITLES[0], |hand| hand.name.as_str()).to_owned();
     let shown = HAND_TITLES.get(present).map_or(own.as_str(), |title| title);
     if let Some(index) = dropdown(ui, names.hand, &format!("hand: {shown}"), wide, &HAND_TITLES, Some(present)) {
-        arm.hand = index.checked_sub(1).and_then(|index| given_hand(HANDS[index]));
+        arm.hand = index.checked_sub(1).and_then(|index| given_hand(HANDS[index].0));
     }
     ui.add_space(4.0);
     let text = if arm.hand.is_some() {

@@ -38,7 +38,10 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     }
     section(ui, "Missing meshes");
     let count = guest.missing.len();
-    let text = format!("{count} bodies are drawn as marked boxes, for want of these files:");
+    let text = match count {
+        1 => "A marked box is drawn in place of a body, for want of this file:".to_owned(),
+        count => format!("Marked boxes are drawn in place of {count} bodies, for want of these files:"),
+    };
     let _text = paragraph(ui, &text, SECONDARY, tokens.secondary);
     let mut files: Vec<&str> = guest.missing.iter().map(|missing| missing.file.as_str()).collect();
     files.sort_unstable();
