@@ -168,14 +168,70 @@ function openFiles(program) {
   addEventListener("endcomfort-pick", () => {
     const input = document.createElement("input");
     input.type = "file";
-    input.accept = ".pcd,.ply,.xyz,.json,.reach";
+    input.accept = ".pcd,.ply,.xyz,.json,.reach,.urdf,.srdf,.zip,.obj,.stl,.glb,.png";
+    input.multiple = true;
     input.addEventListener("change", async () => {
       for (const file of input.files) {
-        program.load_cloud(file.name, new Uint8Array(await file.arrayBuffer()));
+        program.bring(file.name, new Uint8Array(await file.arrayBuffer()));
       }
+      program.bring_end();
     });
     input.click();
   });
+}
+
+/** Folders nested deeper than this are no robot's. */
+const deepestFolder = 12;
+
+/** Hands every file below an entry of a drop to the program, with its path. */
+async function bringEntry(program, entry, path, depth) {
+  if (entry.isFile) {
+    const file = await new Promise((resolve, reject) => entry.file(resolve, reject));
+    program.bring(path, new Uint8Array(await file.arrayBuffer()));
+    return;
+  }
+  if (depth > deepestFolder) {
+    return;
+  }
+  const reader = entry.createReader();
+  // The browser lists a folder a hundred entries at a time; an empty list is the end.
+  for (;;) {
+    const entries = await new Promise((resolve, reject) => reader.readEntries(resolve, reject));
+    if (entries.length === 0) {
+      return;
+    }
+    for (const inner of entries) {
+      if (!inner.name.startsWith(".")) {
+        await bringEntry(program, inner, `${path}/${inner.name}`, depth + 1);
+      }
+    }
+  }
+}
+
+/** A drop with a folder in it is read here: the canvas takes files alone. */
+function takeFolders(program) {
+  addEventListener(
+    "drop",
+    async (event) => {
+      const items = [...(event.dataTransfer?.items ?? [])];
+      const entries = items.map((item) => item.webkitGetAsEntry?.()).filter((entry) => entry);
+      if (!entries.some((entry) => entry.isDirectory)) {
+        return;
+      }
+      event.preventDefault();
+      event.stopImmediatePropagation();
+      element("view").dispatchEvent(new DragEvent("dragleave", { bubbles: true })); // nothing hovers any more
+      try {
+        for (const entry of entries) {
+          await bringEntry(program, entry, entry.name, 0);
+        }
+      } catch (error) {
+        console.warn(`A file of the folder could not be read: ${error}`); // the program says what is missing
+      }
+      program.bring_end();
+    },
+    { capture: true },
+  );
 }
 
 // ---- As a part of somebody else's page (`?embed=1`): docs/embed.md says what is sent and answered.
@@ -293,12 +349,17 @@ async function main() {
     session: program.session,
     save_picture: (wanted) => program.save_picture(JSON.stringify(wanted ?? {})),
     save_animation: (wanted) => program.save_animation(JSON.stringify(wanted ?? {})),
+    open_files: (files) => {
+      files.forEach(({ path, bytes }) => program.bring(path, bytes));
+      program.bring_end();
+    },
     first_picture_ms: await firstPicture(program),
   };
   if (!hasFailed()) {
     say("Endcomfort is ready", 1);
     element("status").className = "running";
     openFiles(program);
+    takeFolders(program);
     if (isEmbedded) {
       answerMessages(program);
     }

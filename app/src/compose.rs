@@ -4,6 +4,7 @@ mod cloud;
 mod grasps;
 mod handover;
 mod lab;
+mod missing;
 mod motion;
 mod palette;
 mod picture;
@@ -207,13 +208,9 @@ impl Composer {
                 } else if is_old {
                     color = palette.greyed(color);
                 }
-                frame.meshes.push(MeshDraw {
-                    mesh: mesh.clone(),
-                    X_WM: X_WL * visual.X_LV,
-                    color,
-                    surface,
-                    pick_id: Pick::Robot.id(),
-                });
+                let X_WM = X_WL * visual.X_LV;
+                missing::mark(frame, visual, &X_WM, opacity);
+                frame.meshes.push(MeshDraw { mesh: mesh.clone(), X_WM, color, surface, pick_id: Pick::Robot.id() });
             }
         }
     }

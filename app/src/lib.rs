@@ -5,6 +5,7 @@
 #![allow(non_snake_case, reason = "frame letters: X_WO is the pose of O in W")]
 
 pub mod assets;
+pub mod brought;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod cli;
 pub mod clock;

@@ -1,11 +1,15 @@
 //! Requests, progress and results: what crosses the thread channel natively and `postMessage` in the browser.
 
+use std::sync::Arc;
+
 use nalgebra::{Isometry3, Point3};
 use serde::{Deserialize, Serialize};
 
 use crate::cloud::PointCloud;
 use crate::fit::{Fit, ObjectiveKind};
 use crate::grasp::{Grasp, Quality};
+use crate::guest::GuestRobot;
+use crate::object::HouseholdObject;
 use crate::scene::Scene;
 use crate::segment::{Plane, PointFate};
 use crate::superquadric::Superquadric;
@@ -20,6 +24,12 @@ pub struct Request {
     pub scene: Scene,
     /// A cloud that was dropped instead of the scene's own objects.
     pub cloud: Option<DroppedCloud>,
+    /// The scene's robot, if somebody brought it.
+    #[serde(with = "shared")]
+    pub robot: Option<Arc<GuestRobot>>,
+    /// Those of the scene's objects that somebody brought.
+    #[serde(with = "shared_list")]
+    pub objects: Vec<Arc<HouseholdObject>>,
     /// The cluster to grasp; `None` takes the one nearest to the task's object (largest, for a dropped cloud).
     pub cluster: Option<usize>,
     /// The grasp to plan with; `None` tries them in their order of rank.
@@ -43,6 +53,8 @@ impl Request {
             revision: 0,
             scene,
             cloud: None,
+            robot: None,
+            objects: Vec::new(),
             cluster: None,
             grasp: None,
             shape: None,
@@ -51,6 +63,40 @@ impl Request {
             compare: None,
             map: None,
         }
+    }
+}
+
+/// What is shared is written as itself.
+mod shared {
+    use std::sync::Arc;
+
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub(super) fn serialize<T: Serialize, S: Serializer>(value: &Option<Arc<T>>, to: S) -> Result<S::Ok, S::Error> {
+        value.as_deref().serialize(to)
+    }
+
+    pub(super) fn deserialize<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+        from: D,
+    ) -> Result<Option<Arc<T>>, D::Error> {
+        Ok(Option::<T>::deserialize(from)?.map(Arc::new))
+    }
+}
+
+/// A list of what is shared is written as itself.
+mod shared_list {
+    use std::sync::Arc;
+
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub(super) fn serialize<T: Serialize, S: Serializer>(list: &[Arc<T>], to: S) -> Result<S::Ok, S::Error> {
+        to.collect_seq(list.iter().map(AsRef::as_ref))
+    }
+
+    pub(super) fn deserialize<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+        from: D,
+    ) -> Result<Vec<Arc<T>>, D::Error> {
+        Ok(Vec::<T>::deserialize(from)?.into_iter().map(Arc::new).collect())
     }
 }
 

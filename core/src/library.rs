@@ -5,10 +5,11 @@ use std::sync::{Arc, Mutex};
 
 use nalgebra::{Isometry3, Translation3};
 
+use crate::guest::{BuiltGuest, GuestError, GuestRobot};
 use crate::handover::{Agent, Handover, PERSON, guarded};
 use crate::object::{HouseholdObject, ObjectError};
 use crate::reach::{ForwardSettings, ReachError, ReachMap, build_forward};
-use crate::robot::{HandDescription, HandError, Robot, RobotError, load_robot};
+use crate::robot::{HandDescription, HandError, MissingMesh, Robot, RobotError, load_robot};
 use crate::scene::Scene;
 use crate::watch::Watch;
 
@@ -24,6 +25,8 @@ const STANDING_GAP_M: f64 = 0.002;
 pub struct Library {
     read: Box<ReadFile>,
     robots: Mutex<BTreeMap<String, Arc<Robot>>>,
+    /// Robots that people brought, by their names in scenes; each is among `robots` as well.
+    guests: Mutex<BTreeMap<String, Arc<Guest>>>,
     objects: Mutex<BTreeMap<String, Arc<HouseholdObject>>>,
     /// The robot with another hand that was asked for last: robot, arm, hand.
     handed: Mutex<Option<Handed>>,
@@ -31,6 +34,17 @@ pub struct Library {
     maps: Mutex<BTreeMap<(String, String), ReachMap>>,
     /// Giver and receiver as one robot, as they were asked for last.
     together: Mutex<Option<(Together, Arc<Robot>)>>,
+}
+
+/// A robot that somebody brought, and what there is to say of it.
+#[derive(Clone, Debug)]
+pub struct Guest {
+    /// Its files and what was chosen for it.
+    pub robot: Arc<GuestRobot>,
+    /// What was left out or repaired.
+    pub notes: Vec<String>,
+    /// Bodies for which marked boxes stand.
+    pub missing: Vec<MissingMesh>,
 }
 
 type Handed = (String, &'static str, HandDescription, Arc<Robot>);
@@ -51,6 +65,15 @@ pub enum LibraryError {
     /// No such robot or object.
     #[error("there is no {kind} named {name:?}")]
     Unknown { kind: &'static str, name: String },
+    /// An object that somebody brought, but not here.
+    #[error("the object {title:?} of this scene is not part of the program: bring its mesh")]
+    ObjectAway { title: String },
+    /// A robot that somebody brought, but not here.
+    #[error("the robot {title:?} of this scene is not part of the program: bring its URDF with its meshes")]
+    GuestAway { title: String },
+    /// The files of a robot that somebody brought are wrong.
+    #[error("robot {title:?}: {source}")]
+    Guest { title: String, source: Box<GuestError> },
     /// A robot's files are wrong.
     #[error("robot {name:?}: {source}")]
     Robot { name: String, source: RobotError },
@@ -77,6 +100,7 @@ impl Library {
         Self {
             read,
             robots: Mutex::default(),
+            guests: Mutex::default(),
             objects: Mutex::default(),
             handed: Mutex::default(),
             maps: Mutex::default(),
@@ -97,6 +121,9 @@ impl Library {
         if let Some(robot) = lock(&self.robots).get(name) {
             return Ok(robot.clone());
         }
+        if GuestRobot::title_of(name) != name {
+            return Err(LibraryError::GuestAway { title: GuestRobot::title_of(name).to_owned() });
+        }
         let urdf = self.text("robot", name, &format!("robots/{name}/{name}.urdf"))?;
         let srdf = self.text("robot", name, &format!("robots/{name}/{name}.srdf"))?;
         let loaded = load_robot(&urdf, &srdf, &|uri: &str| self.mesh(uri))
@@ -104,6 +131,27 @@ impl Library {
         let robot = Arc::new(loaded.value);
         lock(&self.robots).insert(name.to_owned(), robot.clone());
         Ok(robot)
+    }
+
+    /// Takes in a robot that somebody brought; gives its name in scenes. One that is here already is not made again.
+    ///
+    /// # Errors
+    /// [`LibraryError::Guest`] when its files do not make a robot.
+    pub fn welcome(&self, robot: &Arc<GuestRobot>) -> Result<String, LibraryError> {
+        let name = robot.name();
+        if lock(&self.guests).contains_key(&name) {
+            return Ok(name);
+        }
+        let failed = |source| LibraryError::Guest { title: robot.title().to_owned(), source: Box::new(source) };
+        let BuiltGuest { robot: built, notes, missing } = robot.build(&|uri: &str| self.mesh(uri)).map_err(failed)?;
+        lock(&self.robots).insert(name.clone(), Arc::new(built));
+        lock(&self.guests).insert(name.clone(), Arc::new(Guest { robot: robot.clone(), notes, missing }));
+        Ok(name)
+    }
+
+    /// The robot of this name that somebody brought; `None` for one of the program's own.
+    pub fn guest(&self, name: &str) -> Option<Arc<Guest>> {
+        lock(&self.guests).get(name).cloned()
     }
 
     /// The reachability map by which places for handovers are found: built by forward sampling when it is first asked
@@ -180,10 +228,33 @@ impl Library {
         }
     }
 
+    /// A description of a hand in `robots/hands/`.
+    ///
+    /// # Errors
+    /// [`LibraryError`] when there is none, or it is wrong.
+    pub fn hand(&self, name: &str) -> Result<HandDescription, LibraryError> {
+        let json = self.text("hand", name, &format!("robots/hands/{name}.json"))?;
+        HandDescription::parse(&json).map_err(|source| LibraryError::Hand { name: name.to_owned(), source })
+    }
+
     /// Bytes of a mesh that travels inside the program.
-    fn mesh(&self, uri: &str) -> Option<Vec<u8>> {
+    pub fn mesh(&self, uri: &str) -> Option<Vec<u8>> {
         let path = uri.strip_prefix("package://endcomfort/").unwrap_or(uri);
         (self.read)(path).map(<[u8]>::to_vec)
+    }
+
+    /// Takes in an object that somebody brought, under its name in scenes.
+    pub fn bring(&self, object: &Arc<HouseholdObject>) {
+        lock(&self.objects).insert(object.name.clone(), object.clone());
+    }
+
+    /// The objects of a scene that somebody brought, each once.
+    pub fn brought(&self, scene: &Scene) -> Vec<Arc<HouseholdObject>> {
+        let mut names: Vec<&str> = scene.objects.iter().map(|placed| placed.object.as_str()).collect();
+        names.retain(|name| HouseholdObject::is_brought(name));
+        names.sort_unstable();
+        names.dedup();
+        names.iter().filter_map(|name| self.object(name).ok()).collect()
     }
 
     /// The household object of this name.
@@ -193,6 +264,9 @@ impl Library {
     pub fn object(&self, name: &str) -> Result<Arc<HouseholdObject>, LibraryError> {
         if let Some(object) = lock(&self.objects).get(name) {
             return Ok(object.clone());
+        }
+        if HouseholdObject::is_brought(name) {
+            return Err(LibraryError::ObjectAway { title: GuestRobot::title_of(name).to_owned() });
         }
         let json = self.text("object", name, &format!("objects/{name}.json"))?;
         let object =

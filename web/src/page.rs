@@ -3,7 +3,8 @@
 //! `web/boot.js` offers the functions below as `window.endcomfort`:
 //! `status()`, `plan_json()`, `load_cloud(name, bytes)`, `set_demo(name)`, `play()`, `pause()`, `seek(seconds)`,
 //! `select_step(name)`, `compare_objectives()`, `set_shape({ a: 0.05, … })`, `undo()`, `redo()`, `link()`,
-//! `open_link(text)`, `session()`, `save_picture({ width: 1920, … })`, `save_animation({ format: "gif", … })`, and the
+//! `open_link(text)`, `session()`, `save_picture({ width: 1920, … })`, `save_animation({ format: "gif", … })`,
+//! `open_files([{ path, bytes }, …])`, and the
 //! number `first_picture_ms`, counted from the moment the browser began to open
 //! the page. With `?embed=1` it also answers the messages of the page around it, see `docs/embed.md`.
 
@@ -20,6 +21,8 @@ use crate::host::WebHost;
 
 thread_local! {
     static PAGE: RefCell<Option<Page>> = const { RefCell::new(None) };
+    /// Files of a folder, until all have been read.
+    static BROUGHT: RefCell<Vec<(String, Vec<u8>)>> = const { RefCell::new(Vec::new()) };
 }
 
 /// What the functions below act on.
@@ -102,7 +105,7 @@ fn start_options() -> StartOptions {
     let demo = dom::query("demo");
     let gallery = dom::query("gallery").map_or(demo.is_none(), |wanted| wanted != "0");
     let is_embedded = dom::query("embed").is_some_and(|wanted| wanted != "0");
-    StartOptions { demo, gallery, theme, link: dom::link(), is_embedded }
+    StartOptions { demo, gallery, theme, link: dom::link(), is_embedded, files: Vec::new() }
 }
 
 /// How many pictures have been drawn.
@@ -128,6 +131,19 @@ pub fn plan_json() -> Option<String> {
 #[wasm_bindgen]
 pub fn load_cloud(name: String, bytes: Vec<u8>) {
     with_app(|app, context| app.open_file(context, name, bytes));
+}
+
+/// Takes a file that belongs to others, by its path; [`bring_end`] opens all of them together.
+#[wasm_bindgen]
+pub fn bring(path: String, bytes: Vec<u8>) {
+    BROUGHT.with_borrow_mut(|files| files.push((path, bytes)));
+}
+
+/// Opens the files that were taken, as if they had been dropped together.
+#[wasm_bindgen]
+pub fn bring_end() {
+    let files = BROUGHT.take();
+    with_app(|app, context| app.open_files(context, files));
 }
 
 /// Opens a demo by its name.

@@ -88,6 +88,8 @@ mod tests {
             let sent = Request {
                 revision: 7,
                 scene: scene(task),
+                robot: None,
+                objects: Vec::new(),
                 cloud: Some(DroppedCloud { name: "a.pcd".into(), bytes: vec![0, 255, 10] }),
                 cluster: Some(2),
                 grasp: None,

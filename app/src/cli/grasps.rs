@@ -8,19 +8,22 @@ use endcomfort_core::scene::{ArmChoice, PlacedObject, Scene, Task};
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use serde_json::json;
 
+use super::depth_options::DepthOptions;
 use super::grasp_options::Options;
-use super::{ArmName, Common, Failure, input};
+use super::{ArmName, Common, Failure, input, robot_options};
 use crate::clock::stopwatch;
 use crate::export::export_grasps;
 use crate::{assets, jobs};
 
 #[derive(clap::Args)]
 pub(super) struct Args {
-    /// A household object by name, a demo, a scene file or a cloud file.
+    /// A household object by name, a demo, a scene file, a cloud file, a depth image (16-bit PNG) or a mesh (.obj, .stl,
+    /// .glb).
     object: String,
-    /// Robot.
-    #[arg(long)]
-    robot: Option<String>,
+    #[command(flatten)]
+    robot: robot_options::RobotOptions,
+    #[command(flatten)]
+    depth: DepthOptions,
     /// Arm.
     #[arg(long, value_enum)]
     arm: Option<ArmName>,
@@ -47,7 +50,7 @@ pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
     let mut request = if assets::object_names().contains(&args.object.as_str()) {
         request_for_object(args, common)?
     } else {
-        input::request(&args.object, args.robot.as_deref(), common)?
+        input::request(&args.object, &args.robot, &args.depth, common)?
     };
     if let Some(arm) = args.arm {
         request.scene.arm = arm.into();
@@ -113,13 +116,13 @@ fn write(
 
 /// The object alone on the table, in front of the arm that shall grasp it.
 fn request_for_object(args: &Args, common: &Common) -> Result<Request, Failure> {
-    let base = assets::demo(assets::DEMOS[0]).ok_or_else(|| Failure::new("the first demo is missing"))?;
+    let mut request = input::request(assets::DEMOS[0], &args.robot, &args.depth, common)?;
+    let base = &request.scene;
     let object = assets::library().object(&args.object).map_err(|error| Failure::new(error.to_string()))?;
     let arm: ArmChoice = args.arm.map_or(base.arm, Into::into);
     let side = if arm == ArmChoice::Left { 1.0 } else { -1.0 };
     let height = base.table.height_m + object.half_extents().z;
     let X_WO = Isometry3::translation(0.50, 0.25 * side, height);
-    let mut request = input::request(assets::DEMOS[0], args.robot.as_deref(), common)?;
     request.scene = Scene {
         name: args.object.clone(),
         title: object.title.clone(),

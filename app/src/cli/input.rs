@@ -3,13 +3,16 @@
 use std::path::Path;
 
 use endcomfort_core::cloud::{PointCloud, read_cloud};
-use endcomfort_core::job::{DroppedCloud, Request};
+use endcomfort_core::job::Request;
 use endcomfort_core::loaded::Loaded;
+use endcomfort_core::mesh_file::MeshUnit;
 use endcomfort_core::robot::HandDescription;
 use endcomfort_core::scene::Scene;
 
-use super::{Common, Failure};
+use super::depth_options::DepthOptions;
+use super::{Common, Failure, robot_options};
 use crate::assets;
+use crate::brought::{self, BroughtMesh};
 
 /// Largest file that is read, bytes.
 const MAX_FILE_BYTES: u64 = 1 << 30;
@@ -79,25 +82,34 @@ pub(super) fn hand(path: &Path) -> Result<HandDescription, Failure> {
 }
 
 /// A request for a demo, a scene file or a cloud file; a cloud is brought onto the table of the first demo.
-pub(super) fn request(name: &str, robot: Option<&str>, common: &Common) -> Result<Request, Failure> {
+pub(super) fn request(
+    name: &str,
+    robot: &robot_options::RobotOptions,
+    depth: &DepthOptions,
+    common: &Common,
+) -> Result<Request, Failure> {
     let (mut scene, cloud) = if is_scene(name) {
+        depth.refuse_alone()?;
         (scene(name)?, None)
+    } else if brought::is_mesh(name) {
+        depth.refuse_alone()?;
+        (scene_for_clouds()?, None)
     } else {
-        let path = Path::new(name);
-        let bytes = read_file(path)?;
-        let file_name = path.file_name().map_or_else(|| name.to_owned(), |n| n.to_string_lossy().into_owned());
-        (scene_for_clouds()?, Some(DroppedCloud { name: file_name, bytes }))
+        (scene_for_clouds()?, Some(depth.cloud(Path::new(name))?))
     };
-    if let Some(robot) = robot {
-        if !assets::ROBOT_NAMES.contains(&robot) {
-            return Err(Failure::new(format!("no robot {robot:?}; there are {}", assets::ROBOT_NAMES.join(" and "))));
-        }
-        scene.robot = robot.to_owned();
+    robot.apply(&mut scene)?;
+    if brought::is_mesh(name) {
+        let mesh = BroughtMesh::read(name, &read_file(Path::new(name))?).map_err(Failure::new)?;
+        let unit = robot.unit.map_or(mesh.unit, MeshUnit::from);
+        eprintln!("{name}: {}", robot.unit.map_or(mesh.reason.as_str(), |_| "in the unit that was given"));
+        scene = brought::alone(&scene, &mesh.object(unit).map_err(Failure::new)?);
     }
     if let Some(seed) = common.seed {
         scene.seed = seed;
     }
-    Ok(Request { cloud, ..Request::new(scene) })
+    let robot = assets::library().guest(&scene.robot).map(|guest| guest.robot.clone());
+    let objects = assets::library().brought(&scene);
+    Ok(Request { cloud, robot, objects, ..Request::new(scene) })
 }
 
 fn scene_for_clouds() -> Result<Scene, Failure> {

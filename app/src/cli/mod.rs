@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand, one JSON object per line on request.
 
 mod check;
+mod depth_options;
 mod experiment;
 mod experiment_grasps;
 mod film_options;
@@ -17,6 +18,7 @@ mod plot;
 mod reach;
 mod reach_options;
 mod render;
+mod robot_options;
 mod saved;
 mod segment;
 mod start_options;

@@ -7,7 +7,8 @@ use endcomfort_core::handover::HandoverReport;
 use endcomfort_core::job::{Output, Stage};
 use endcomfort_core::task::plan_json_lines;
 
-use super::{Common, Failure, input, motion_options, start_options};
+use super::depth_options::DepthOptions;
+use super::{Common, Failure, input, motion_options, robot_options, start_options};
 use crate::assets;
 use crate::export::{MotionFormat, export_motion};
 use crate::jobs;
@@ -16,11 +17,12 @@ use crate::jobs;
 pub(super) struct Args {
     /// What to do with the object.
     task: TaskName,
-    /// A demo, a scene file or a cloud file.
+    /// A demo, a scene file, a cloud file, a depth image (16-bit PNG) or a mesh (.obj, .stl, .glb).
     scene: String,
-    /// Robot, instead of the scene's own.
-    #[arg(long)]
-    robot: Option<String>,
+    #[command(flatten)]
+    robot: robot_options::RobotOptions,
+    #[command(flatten)]
+    depth: DepthOptions,
     /// Grasp to plan with, by its number; default: in the order of rank until one succeeds.
     #[arg(long)]
     grasp: Option<u32>,
@@ -61,7 +63,7 @@ fn motion_file(text: &str) -> Result<PathBuf, String> {
 }
 
 pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
-    let mut request = input::request(&args.scene, args.robot.as_deref(), common)?;
+    let mut request = input::request(&args.scene, &args.robot, &args.depth, common)?;
     args.start.apply(&mut request.scene)?;
     match args.task {
         TaskName::Pick => {

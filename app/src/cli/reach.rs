@@ -12,13 +12,15 @@ use endcomfort_core::watch::Watch;
 use serde_json::json;
 
 use super::experiment::watched;
+use super::robot_options::{ArmOptions, hand_over};
 use super::{Common, Failure, input};
-use crate::assets;
 use crate::clock::stopwatch;
+use crate::{assets, brought};
 
 #[derive(clap::Args)]
 pub(super) struct Args {
-    /// A robot, of which maps are built, or the file of a map, which is read and checked.
+    /// A robot (crichton, alita, or yours: a URDF, a folder, a .zip), of which maps are built, or the file of a map, which
+    /// is read and checked.
     #[arg(value_name = "ROBOT_OR_FILE")]
     what: String,
     /// Which arm.
@@ -43,6 +45,8 @@ pub(super) struct Args {
     /// File that receives the map; for both arms the arm's name is put before its extension.
     #[arg(long)]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    own: ArmOptions,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -59,10 +63,19 @@ enum Method {
 }
 
 pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
-    if !assets::ROBOT_NAMES.contains(&args.what.as_str()) {
-        return read(Path::new(&args.what), common);
-    }
-    let robot = robot(&args.what)?;
+    let path = Path::new(&args.what);
+    let robot = if assets::ROBOT_NAMES.contains(&args.what.as_str()) {
+        args.own.refuse_alone()?;
+        robot(&args.what)?
+    } else if brought::disk::is_robot(path) {
+        let mut scene = input::demo(assets::DEMOS[0])?;
+        let guest = args.own.guest(path, &scene.table)?;
+        hand_over(&mut scene, &guest)?;
+        robot(&scene.robot)?
+    } else {
+        args.own.refuse_alone()?;
+        return read(path, common);
+    };
     for (index, arm) in robot.arms.iter().enumerate().filter(|(_, arm)| args.arm.holds(&arm.name)) {
         let elapsed_ms = stopwatch();
         let refuse = |error: ReachError| Failure::new(format!("{}, arm {}: {error}", args.what, arm.name));

@@ -89,7 +89,12 @@ impl Options {
             if !view.arms.needs(arm) {
                 return Ok(None);
             }
-            let map = assets::library().reach_map(&scene.robot, name);
+            let library = assets::library();
+            let has_arm = library.robot(&scene.robot).is_ok_and(|robot| robot.arm(name).is_some());
+            if !has_arm && matches!(arms, Arms::Both) {
+                return Ok(None);
+            }
+            let map = library.reach_map(&scene.robot, name);
             map.map(Some).map_err(|error| Failure::new(error.to_string()))
         };
         let maps = [map((0, "left"))?, map((1, "right"))?];

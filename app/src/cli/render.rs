@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::ValueEnum;
 use endcomfort_core::job::{Output, Stage};
 
-use super::{Common, Failure, film_options, input, look_options, reach_options, start_options};
+use super::depth_options::DepthOptions;
+use super::{Common, Failure, film_options, input, look_options, reach_options, robot_options, start_options};
 use crate::compose::cloud_scale;
 use crate::figures::{Picture, PictureSettings, Shooting};
 use crate::render::{MAX_SIDE_PX, Theme, check_scale, check_size};
@@ -13,7 +14,7 @@ use crate::{assets, jobs};
 
 #[derive(clap::Args)]
 pub(super) struct Args {
-    /// A demo, a scene file or a cloud file.
+    /// A demo, a scene file, a cloud file, a depth image (16-bit PNG) or a mesh (.obj, .stl, .glb).
     scene: String,
     /// The file: a picture (.png), or everything that it shows as bodies, points and lines (.glb).
     #[arg(long, value_parser = picture_file, required_unless_present = "animation", conflicts_with = "animation")]
@@ -39,9 +40,10 @@ pub(super) struct Args {
     /// Colours.
     #[arg(long, value_enum, default_value = "dark")]
     theme: ThemeName,
-    /// Robot, instead of the scene's own.
-    #[arg(long)]
-    robot: Option<String>,
+    #[command(flatten)]
+    robot: robot_options::RobotOptions,
+    #[command(flatten)]
+    depth: DepthOptions,
     #[command(flatten)]
     start: start_options::Options,
     #[command(flatten)]
@@ -74,7 +76,7 @@ fn picture_file(text: &str) -> Result<PathBuf, String> {
 }
 
 pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
-    let mut request = input::request(&args.scene, args.robot.as_deref(), common)?;
+    let mut request = input::request(&args.scene, &args.robot, &args.depth, common)?;
     args.start.apply(&mut request.scene)?;
     check_size(args.size, MAX_SIDE_PX).map_err(|error| Failure::new(format!("--size: {error}")))?;
     check_scale(args.scale).map_err(|error| Failure::new(format!("--scale: {error}")))?;

@@ -9,18 +9,20 @@ use endcomfort_core::robot::Robot;
 use endcomfort_core::scene::Scene;
 use endcomfort_core::task::{Plan, Try};
 
-use super::{Common, Failure, input};
+use super::depth_options::DepthOptions;
+use super::{Common, Failure, input, robot_options};
 use crate::export::Results;
 use crate::{assets, jobs};
 
 /// Which scene.
 #[derive(clap::Args)]
 pub(super) struct Of {
-    /// A demo, a scene file or a cloud file.
+    /// A demo, a scene file, a cloud file, a depth image (16-bit PNG) or a mesh (.obj, .stl, .glb).
     scene: String,
-    /// Robot, instead of the scene's own.
-    #[arg(long)]
-    robot: Option<String>,
+    #[command(flatten)]
+    robot: robot_options::RobotOptions,
+    #[command(flatten)]
+    depth: DepthOptions,
 }
 
 /// Everything that was found.
@@ -38,7 +40,7 @@ impl Of {
     ///
     /// * `compares`: fits the target with every objective as well.
     pub(super) fn find(&self, stage: Stage, compares: bool, common: &Common) -> Result<Found, Failure> {
-        let mut request = input::request(&self.scene, self.robot.as_deref(), common)?;
+        let mut request = input::request(&self.scene, &self.robot, &self.depth, common)?;
         let robot = assets::library().robot_of(&request.scene).map_err(|error| Failure::new(error.to_string()))?;
         let (outputs, refusal) = jobs::run_as_far_as_possible(&request, stage);
         if let Some(refusal) = &refusal {
@@ -55,7 +57,7 @@ impl Of {
 
     /// The stored reachability maps of the scene's robot.
     pub(super) fn maps(&self, common: &Common) -> Result<Found, Failure> {
-        let request = input::request(&self.scene, self.robot.as_deref(), common)?;
+        let request = input::request(&self.scene, &self.robot, &self.depth, common)?;
         let robot = assets::library().robot_of(&request.scene).map_err(|error| Failure::new(error.to_string()))?;
         let map = |arm: &str| {
             let map = assets::library().reach_map(&request.scene.robot, arm);

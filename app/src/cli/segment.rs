@@ -2,20 +2,23 @@
 
 use std::path::{Path, PathBuf};
 
-use endcomfort_core::cloud::{PlyEncoding, PointCloud, write_ply};
+use endcomfort_core::cloud::{PlyEncoding, PointCloud, read_cloud, write_ply};
 use endcomfort_core::pipeline::synthetic_cloud;
 use endcomfort_core::segment::{PointFate, SegmentSettings, segment};
 use endcomfort_core::watch::Watch;
 use serde_json::json;
 
+use super::depth_options::DepthOptions;
 use super::{Common, Failure, input};
 use crate::assets;
 use crate::clock::stopwatch;
 
 #[derive(clap::Args)]
 pub(super) struct Args {
-    /// A demo, a scene file or a cloud file.
+    /// A demo, a scene file, a cloud file or a depth image (16-bit PNG).
     scene: String,
+    #[command(flatten)]
+    depth: DepthOptions,
     /// Folder that receives each cluster as a PLY file.
     #[arg(long)]
     out: Option<PathBuf>,
@@ -23,11 +26,14 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args, common: &Common) -> Result<(), Failure> {
     let (cloud, settings, seed) = if input::is_scene(&args.scene) {
+        args.depth.refuse_alone()?;
         let mut scene = input::scene(&args.scene)?;
         scene.seed = common.seed.unwrap_or(scene.seed);
         (synthetic_cloud(&scene, &assets::library())?, scene.segment, scene.seed)
     } else {
-        let loaded = input::cloud_file(Path::new(&args.scene))?;
+        let file = args.depth.cloud(Path::new(&args.scene))?;
+        let loaded =
+            read_cloud(&file.name, &file.bytes).map_err(|error| Failure::new(format!("{}: {error}", args.scene)))?;
         loaded.notes.iter().for_each(|note| eprintln!("{note}"));
         (loaded.value, SegmentSettings::default(), common.seed.unwrap_or(0))
     };

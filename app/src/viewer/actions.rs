@@ -190,7 +190,7 @@ pub(super) fn without_keys(state: &ViewerState) -> Vec<Action> {
         actions.push(action.when(scene.robot != robot.name));
     }
     for (arm, title) in [(ArmChoice::Left, "Act with the left arm"), (ArmChoice::Right, "Act with the right arm")] {
-        actions.push(Action::new(Scene, title, Command::SetArm(arm)).when(scene.arm != arm));
+        actions.push(Action::new(Scene, title, Command::SetArm(arm)).when(scene.arm != arm && state.has_arm(arm)));
     }
     let next_seed = scene.seed.wrapping_add(1);
     actions.push(Action::new(Scene, format!("Another seed: {next_seed}"), Command::SetSeed(next_seed)));

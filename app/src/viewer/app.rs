@@ -11,8 +11,8 @@ use super::share::Autosave;
 use super::state::Step;
 use super::view3d::View3d;
 use super::{
-    Command, Document, Effect, LabCommand, Offer, Overlay, PanelSizes, ReachCommand, Studio, ThemeChoice, ViewCommand,
-    ViewEffect, ViewerState, draw_panels, theme,
+    BringCommand, Command, Document, Effect, LabCommand, Offer, Overlay, PanelSizes, ReachCommand, Studio, ThemeChoice,
+    ViewCommand, ViewEffect, ViewerState, draw_panels, theme,
 };
 use crate::host::Host;
 
@@ -29,6 +29,8 @@ pub struct StartOptions {
     pub link: Option<String>,
     /// Whether this is a part of somebody else's page.
     pub is_embedded: bool,
+    /// Files to open as if they had been dropped: paths and contents.
+    pub files: Vec<(String, Vec<u8>)>,
 }
 
 /// The interface as eframe runs it.
@@ -98,6 +100,9 @@ impl App {
             app.state.offer = app.host.store().and_then(|store| Offer::read(store, &app.state.demos));
             app.apply(ctx, Command::Show(Overlay::Gallery));
         }
+        if !start.files.is_empty() {
+            app.open_files(ctx, start.files);
+        }
         app.autosave = Autosave::new(app.state.revision);
         app.restore_layout();
         Ok(app)
@@ -126,7 +131,12 @@ impl App {
 
     /// Opens a file as if it had been dropped.
     pub fn open_file(&mut self, ctx: &Context, name: String, bytes: Vec<u8>) {
-        self.apply(ctx, Command::OpenFile { name, bytes });
+        self.open_files(ctx, vec![(name, bytes)]);
+    }
+
+    /// Opens files that belong together as if they had been dropped: paths and contents.
+    pub fn open_files(&mut self, ctx: &Context, files: Vec<(String, Vec<u8>)>) {
+        self.apply(ctx, Command::Bring(BringCommand::Files(files)));
     }
 
     /// Opens a demo by name.
@@ -227,13 +237,8 @@ impl App {
         }
         self.develop_pictures(ctx);
         let dropped = ctx.input(|input| input.raw.dropped_files.clone());
-        // One scene or cloud at a time: of several files the first one counts.
-        if let Some(file) = dropped.first() {
-            read(file, &self.inbox, ctx);
-            if dropped.len() > 1 {
-                let text = format!("{} files were dropped; only the first one was opened.", dropped.len());
-                self.state.say(false, text, Vec::new());
-            }
+        if !dropped.is_empty() {
+            read_together(dropped, &self.inbox, ctx);
         }
     }
 
@@ -314,28 +319,48 @@ impl eframe::App for App {
     }
 }
 
-/// The command that a read file stands for.
-fn opened(name: String, result: Result<Vec<u8>, String>) -> Command {
-    match result {
-        Ok(bytes) => Command::OpenFile { name, bytes },
-        Err(reason) => Command::FileFailed { name, reason },
+/// What one dropped file or folder was read as: files with their paths, or the name of what could not be read and why.
+type Read = Result<Vec<(String, Vec<u8>)>, (String, String)>;
+
+/// The command that things stand for that were dropped together; what cannot be read of them fails them all.
+fn brought(read: impl IntoIterator<Item = Read>) -> Command {
+    let files: Result<Vec<_>, _> = read.into_iter().collect();
+    match files {
+        Ok(files) => Command::Bring(BringCommand::Files(files.into_iter().flatten().collect())),
+        Err((name, reason)) => Command::FileFailed { name, reason },
     }
 }
 
-fn read(file: &egui::DroppedFileHandle, inbox: &Inbox, ctx: &Context) {
-    let name = file.path().file_name().map_or("file".to_owned(), |name| name.to_string_lossy().into_owned());
-    #[cfg(not(target_arch = "wasm32"))]
-    {
-        inbox.lock().unwrap_or_else(PoisonError::into_inner).push(opened(name, file.bytes()));
+fn name_of(file: &egui::DroppedFileHandle) -> String {
+    file.path().file_name().map_or("file".to_owned(), |name| name.to_string_lossy().into_owned())
+}
+
+/// Reads files that were dropped together; in a window folders as well.
+#[cfg(not(target_arch = "wasm32"))]
+fn read_together(files: Vec<egui::DroppedFileHandle>, inbox: &Inbox, ctx: &Context) {
+    let read = |file: &egui::DroppedFileHandle| {
+        let path = file.path();
+        if path.is_dir() {
+            return crate::brought::disk::all_files(path).map_err(|reason| (name_of(file), reason));
+        }
+        file.bytes().map(|bytes| vec![(name_of(file), bytes)]).map_err(|reason| (name_of(file), reason))
+    };
+    let command = brought(files.iter().map(read));
+    inbox.lock().unwrap_or_else(PoisonError::into_inner).push(command);
+    ctx.request_repaint();
+}
+
+/// Reads files that were dropped together, in the browser's own time. Folders are read by `web/boot.js`.
+#[cfg(target_arch = "wasm32")]
+fn read_together(files: Vec<egui::DroppedFileHandle>, inbox: &Inbox, ctx: &Context) {
+    let (inbox, ctx) = (inbox.clone(), ctx.clone());
+    wasm_bindgen_futures::spawn_local(async move {
+        let mut read: Vec<Read> = Vec::new();
+        for file in &files {
+            let bytes = file.bytes_async().await;
+            read.push(bytes.map(|bytes| vec![(name_of(file), bytes)]).map_err(|reason| (name_of(file), reason)));
+        }
+        inbox.lock().unwrap_or_else(PoisonError::into_inner).push(brought(read));
         ctx.request_repaint();
-    }
-    #[cfg(target_arch = "wasm32")]
-    {
-        let (file, inbox, ctx) = (file.clone(), inbox.clone(), ctx.clone());
-        wasm_bindgen_futures::spawn_local(async move {
-            let command = opened(name, file.bytes_async().await);
-            inbox.lock().unwrap_or_else(PoisonError::into_inner).push(command);
-            ctx.request_repaint();
-        });
-    }
+    });
 }

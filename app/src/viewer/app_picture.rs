@@ -140,7 +140,8 @@ impl App {
     fn take_picture(&mut self, ctx: &Context, shot: Shot) {
         let camera = self.view.camera_for(shot.size_px);
         let picture = self.studio.compose(&self.state.compose_input(shot.dark));
-        match self.pictures.photographer.expose(ctx, &mut self.view, &picture, camera, (&shot, Quality::Figure)) {
+        let stand = (camera, self.state.looking.cut);
+        match self.pictures.photographer.expose(ctx, &mut self.view, &picture, stand, (&shot, Quality::Figure)) {
             Ok(()) => {
                 let name = self.state.saved_name(&format!("{:.2}s", self.state.playback.time_s), "png");
                 self.pictures.wanted = Some(Wanted::Picture(name));
@@ -179,7 +180,8 @@ impl App {
         if let Some(p_W) = picture.object_W.filter(|_| self.state.playback.follows) {
             camera.target = p_W;
         }
-        match self.pictures.photographer.expose(ctx, &mut self.view, &picture, camera, (&shot, Quality::Live)) {
+        let stand = (camera, self.state.looking.cut);
+        match self.pictures.photographer.expose(ctx, &mut self.view, &picture, stand, (&shot, Quality::Live)) {
             Ok(()) => self.apply(ctx, Command::Picture(PictureCommand::Progress(progress))),
             Err(error) => self.picture_failed(ctx, &error.to_string()),
         }

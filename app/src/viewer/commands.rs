@@ -8,12 +8,13 @@ use endcomfort_core::robot::HandDescription;
 use endcomfort_core::scene::{ArmChoice, SCENE_VERSION, Scene};
 use endcomfort_core::task::Plan;
 
+use super::bringing::usable_arm;
 use super::goal_drag::GoalDrag;
 use super::state::{IkChoice, Presentation, Side, StageState, Step, ThemeChoice};
 use super::{
-    Document, Edge, GraspCommand, HandoverCommand, LabCommand, Layer, LookCommand, Opened, Overlay, PanelSizes,
-    PictureCommand, PictureEffect, PlaceCommand, PlanCommand, Playback, PoseCommand, ReachCommand, Saved, TourCommand,
-    ViewCommand, ViewEffect, ViewerState, playback, share,
+    BringCommand, Document, Edge, GraspCommand, HandoverCommand, LabCommand, Layer, LookCommand, Opened, Overlay,
+    PanelSizes, PictureCommand, PictureEffect, PlaceCommand, PlanCommand, Playback, PoseCommand, ReachCommand, Saved,
+    TourCommand, ViewCommand, ViewEffect, ViewerState, playback, share,
 };
 use crate::export::MotionFormat;
 use crate::render::Camera;
@@ -25,6 +26,8 @@ pub enum Command {
     OpenDemo(String),
     /// Opens a file: a scene or a hand description (`.json`), or a cloud.
     OpenFile { name: String, bytes: Vec<u8> },
+    /// Brings files that belong together, or answers what they leave open.
+    Bring(BringCommand),
     /// Reports a file that could not be read.
     FileFailed { name: String, reason: String },
     /// Hands the scene to another robot.
@@ -182,6 +185,7 @@ impl ViewerState {
         match command {
             Command::OpenDemo(name) => return self.open_demo(&name),
             Command::OpenFile { name, bytes } => return self.open_file(name, bytes),
+            Command::Bring(command) => return self.apply_bring(command),
             Command::FileFailed { name, reason } => {
                 let sentence = format!("{name} could not be read: {reason}. The scene is as it was.");
                 self.say(true, sentence.clone(), Vec::new());
@@ -189,8 +193,9 @@ impl ViewerState {
             }
             Command::SetRobot(name) => {
                 let posture = self.robots.iter().find(|robot| robot.name == name).map(|robot| robot.posture.clone());
+                let arm = usable_arm(&name, self.document.scene.arm);
                 return self.edit_scene(|scene| {
-                    scene.robot = name;
+                    (scene.robot, scene.arm) = (name, arm);
                     scene.joints.clear();
                     if let Some(posture) = posture {
                         scene.posture = posture;

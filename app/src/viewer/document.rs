@@ -5,6 +5,8 @@ use std::sync::Arc;
 use endcomfort_core::job::{DroppedCloud, Request, SetShape, Stage};
 use endcomfort_core::scene::Scene;
 
+use crate::assets;
+
 /// Everything that a person can change and that changes the result: one step of undo.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Document {
@@ -31,6 +33,8 @@ impl Document {
         Request {
             revision,
             cloud: self.cloud.as_deref().cloned(),
+            objects: assets::library().brought(&self.scene),
+            robot: assets::library().guest(&self.scene.robot).map(|guest| guest.robot.clone()),
             cluster: self.cluster,
             grasp: self.grasp,
             shape: self.shape,
@@ -133,7 +137,6 @@ mod tests {
     use endcomfort_core::handover::{Handover, PlaceChoice, Receiver};
 
     use super::*;
-    use crate::assets;
 
     #[test]
     fn an_edit_reaches_no_stage_before_the_one_that_it_is_about() {

@@ -107,6 +107,8 @@ pub(super) fn ordinal(n: usize) -> String {
 
 /// A name in a file (`mustard_bottle`) as a person reads it (`Mustard bottle`).
 pub(super) fn title_of(name: &str) -> String {
+    // What somebody brought has a fingerprint behind its name.
+    let name = name.split('@').next().unwrap_or(name);
     let words = name.replace(['_', '-'], " ");
     let mut letters = words.chars();
     letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())

@@ -10,6 +10,8 @@ mod actions;
 mod app;
 mod app_picture;
 mod app_share;
+mod bringing;
+mod bringing_files;
 mod captions;
 mod commands;
 mod compose_input;
@@ -65,6 +67,8 @@ mod widgets;
 mod words;
 
 pub use app::{App, StartOptions};
+pub use bringing::{BringCommand, Bringing, RobotDraft, RobotWindow};
+pub use bringing_files::{DepthWindow, MeshWindow};
 pub use commands::{Command, Effect};
 pub use compose_input::{ComposeInput, Label, Legend, LegendRow, Mark, Picture, Posture, ScaleBar, Tone, ViewKey};
 pub use document::Document;

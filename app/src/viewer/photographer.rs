@@ -7,7 +7,7 @@ use super::layout::Layout;
 use super::view3d::View3d;
 use super::words::Words;
 use super::{Picture, Shot, legends, view3d};
-use crate::render::{Camera, Quality, Readback, SizeError, Target, Theme, View, check_scale, check_size};
+use crate::render::{Camera, Cut, Quality, Readback, SizeError, Target, Theme, View, check_scale, check_size};
 
 /// Takes one picture at a time.
 #[derive(Default)]
@@ -33,7 +33,7 @@ impl Photographer {
         ctx: &Context,
         view: &mut View3d,
         picture: &Picture,
-        camera: Camera,
+        (camera, cut): (Camera, Option<Cut>),
         (shot, quality): (&Shot, Quality),
     ) -> Result<(), SizeError> {
         let (gpu, renderer) = view.gpu_and_renderer();
@@ -45,7 +45,7 @@ impl Photographer {
         };
         let theme = if shot.dark { Theme::Dark } else { Theme::Light };
         let mut seen = View::new(camera, theme, shot.size_px);
-        (seen.pixels_per_point, seen.transparent) = (shot.scale, shot.transparent);
+        (seen.pixels_per_point, seen.transparent, seen.cut) = (shot.scale, shot.transparent, cut);
         renderer.set_quality(quality);
         renderer.draw(&gpu.device, &gpu.queue, &picture.frame, &seen, &mut target);
         if shot.words {

@@ -6,10 +6,11 @@
 
 use std::sync::Arc;
 
+use endcomfort_core::guest::GuestRobot;
 use endcomfort_core::job::{BuiltMap, MapMethod, MapRequest};
 use endcomfort_core::reach::{About, ReachMap, Voxel};
 use endcomfort_core::robot::{HandDescription, Robot};
-use endcomfort_core::scene::Scene;
+use endcomfort_core::scene::{ArmChoice, Scene};
 use nalgebra::{Isometry3, Point3};
 
 use super::state::Side;
@@ -367,7 +368,9 @@ impl ViewerState {
             if !matches!(self.reaching.slots[arm], Slot::Empty) {
                 continue;
             }
-            if self.maps_have_torso() {
+            if GuestRobot::title_of(&self.document.scene.robot) != self.document.scene.robot {
+                self.reaching.slots[arm] = Slot::Missing("maps of your own robot are not stored".to_owned());
+            } else if self.maps_have_torso() {
                 self.reaching.slots[arm] = Slot::Missing("maps with the torso are not stored".to_owned());
             } else {
                 let path = format!("maps/{}", self.map_name(arm));
@@ -422,7 +425,9 @@ impl ViewerState {
         if self.running {
             return Vec::new();
         }
-        let arms = (0..2).filter(|&arm| self.reaching.view.arms.needs(arm)).map(|arm| ARMS[arm].to_owned());
+        let there = |arm: &usize| self.has_arm([ArmChoice::Left, ArmChoice::Right][*arm]);
+        let arms =
+            (0..2).filter(|&arm| self.reaching.view.arms.needs(arm)).filter(there).map(|arm| ARMS[arm].to_owned());
         let torso = self.maps_have_torso();
         let wanted = MapRequest { arms: arms.collect(), torso, ..self.reaching.wanted.clone() };
         let building = Building { revision: self.revision, fraction: 0.0, note: String::new() };

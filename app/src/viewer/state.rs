@@ -7,8 +7,8 @@ use endcomfort_core::job::{Refusal, Stage};
 
 use super::document::History;
 use super::{
-    ComposeInput, Demo, Document, Grasping, Lab, Layers, Looking, Offer, Outputs, PanelSizes, Picturing, Planning,
-    Playback, Posing, Posture, Reaching, RobotChoice, SharedView, TableView, Thing, Tour, ViewKey, Viewing,
+    Bringing, ComposeInput, Demo, Document, Grasping, Lab, Layers, Looking, Offer, Outputs, PanelSizes, Picturing,
+    Planning, Playback, Posing, Posture, Reaching, RobotChoice, SharedView, TableView, Thing, Tour, ViewKey, Viewing,
 };
 
 /// Everything the interface knows. Panels read it; [`ViewerState::apply`] and [`ViewerState::receive`] change it.
@@ -67,6 +67,8 @@ pub struct ViewerState {
     pub demos: Vec<Demo>,
     /// Name of the demo that is open; `None` for a file.
     pub demo: Option<String>,
+    /// What files leave open, while it is asked.
+    pub bringing: Option<Bringing>,
     /// The robots.
     pub robots: Vec<RobotChoice>,
     /// Dark, light, or as the system has it.
@@ -281,6 +283,7 @@ impl ViewerState {
             messages: Vec::new(),
             demos,
             demo: None,
+            bringing: None,
             robots,
             theme: ThemeChoice::System,
             offer: None,
@@ -457,7 +460,8 @@ impl ViewerState {
     pub fn robot_title(&self) -> String {
         let name = &self.document.scene.robot;
         let known = self.robots.iter().find(|robot| robot.name == *name);
-        known.map_or_else(|| super::format::title_of(name), |robot| robot.title.clone())
+        let title = || super::format::title_of(endcomfort_core::guest::GuestRobot::title_of(name));
+        known.map_or_else(title, |robot| robot.title.clone())
     }
 
     /// Replaces the document: a new revision, the old results stale until new ones stand. What the change does not
@@ -468,6 +472,7 @@ impl ViewerState {
         self.newest_revision += 1;
         self.revision = self.newest_revision;
         self.document = document;
+        self.know_guest(&self.document.scene.robot.clone());
         self.running = true;
         let first = self.outputs.keep_before(reach, before, self.revision);
         for stage in Stage::ALL.into_iter().filter(|&stage| stage >= first) {

@@ -22,6 +22,9 @@ pub enum CloudError {
     /// More points than [`MAX_POINTS`](super::MAX_POINTS).
     #[error("line {line}: {found} points, the limit is {limit}")]
     TooManyPoints { line: usize, found: u64, limit: usize },
+    /// A depth image or the intrinsics of its camera are wrong.
+    #[error("{thing}: found {found}, wanted {wanted}")]
+    Intrinsics { thing: &'static str, found: String, wanted: String },
     /// Nothing is left to work with.
     #[error("none of the {read} points in the file is finite and within {limit_m:.0} m of the origin")]
     NoPoints { read: usize, limit_m: u64 },

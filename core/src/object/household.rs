@@ -1,11 +1,12 @@
 //! The description of an object.
 
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::{Isometry3, Point3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use super::ObjectError;
 use super::loft::loft_mesh;
 use crate::mesh::Mesh;
+use crate::mesh_file::{MAX_TRIANGLES, area_weighted_normals};
 
 /// More parts than any bundled object needs.
 const MAX_PARTS: usize = 64;
@@ -13,6 +14,8 @@ const MAX_PARTS: usize = 64;
 const MAX_SECTIONS: usize = 256;
 /// Nothing on a table is larger than this, metres.
 const MAX_SIZE_M: f64 = 2.0;
+/// Nothing thinner than this is seen or held, metres.
+const MIN_SIZE_M: f64 = 0.005;
 /// How far the origin may be from the centre of the bounding box, metres: sizes are written to a tenth of a millimetre.
 const MAX_OFF_CENTRE_M: f64 = 2e-4;
 
@@ -48,6 +51,13 @@ pub enum Part {
         #[serde(default = "Isometry3::identity")]
         X_OP: Isometry3<f64>,
     },
+    /// A closed surface that somebody brought, in O, metres.
+    Mesh {
+        /// Corners.
+        positions: Vec<[f32; 3]>,
+        /// Corners of each triangle, counter-clockwise seen from outside.
+        triangles: Vec<[u32; 3]>,
+    },
 }
 
 impl HouseholdObject {
@@ -69,8 +79,11 @@ impl HouseholdObject {
     /// The surface in O: closed parts, smooth where the profile is smooth, sharp at caps and edges.
     pub fn mesh(&self) -> Mesh {
         let mut mesh = Mesh::default();
-        for Part::Loft { sections, e2, X_OP } in &self.parts {
-            mesh.append(&loft_mesh(sections, *e2).transformed(X_OP));
+        for part in &self.parts {
+            match part {
+                Part::Loft { sections, e2, X_OP } => mesh.append(&loft_mesh(sections, *e2).transformed(X_OP)),
+                Part::Mesh { positions, triangles } => mesh.append(&surface(positions, triangles)),
+            }
         }
         mesh
     }
@@ -81,7 +94,7 @@ impl HouseholdObject {
         (most - least) / 2.0
     }
 
-    fn check(&self) -> Result<(), ObjectError> {
+    pub(super) fn check(&self) -> Result<(), ObjectError> {
         let wrong = |place: String, found: String, wanted: &str| {
             Err(ObjectError::Value { object: self.name.clone(), place, found, wanted: wanted.to_owned() })
         };
@@ -91,7 +104,14 @@ impl HouseholdObject {
         if self.parts.is_empty() || self.parts.len() > MAX_PARTS {
             return wrong(String::from("parts"), self.parts.len().to_string(), "1 to 64");
         }
-        for (number, Part::Loft { sections, e2, X_OP }) in self.parts.iter().enumerate() {
+        for (number, part) in self.parts.iter().enumerate() {
+            let (sections, e2, X_OP) = match part {
+                Part::Loft { sections, e2, X_OP } => (sections, e2, X_OP),
+                Part::Mesh { positions, triangles } => {
+                    self.check_surface(number, positions, triangles)?;
+                    continue;
+                }
+            };
             let place = |thing: &str| format!("part {number}, {thing}");
             if sections.len() < 2 || sections.len() > MAX_SECTIONS {
                 return wrong(place("sections"), sections.len().to_string(), "2 to 256");
@@ -129,6 +149,11 @@ impl HouseholdObject {
             }
         }
         let (least, most) = bounds(&self.mesh());
+        let edges = most - least;
+        if edges.max() > MAX_SIZE_M || edges.min() < MIN_SIZE_M {
+            let found = format!("{:.3} × {:.3} × {:.3} m", edges.x, edges.y, edges.z);
+            return wrong(String::from("bounding box"), found, "edges of 5 mm to 2 m");
+        }
         let centre = (least + most) / 2.0;
         if centre.amax() > MAX_OFF_CENTRE_M {
             let found = format!("its centre at ({:.4}, {:.4}, {:.4})", centre.x, centre.y, centre.z);
@@ -138,8 +163,39 @@ impl HouseholdObject {
     }
 }
 
+impl HouseholdObject {
+    fn check_surface(&self, part: usize, positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<(), ObjectError> {
+        let wrong = |place: &str, found: String, wanted: String| ObjectError::Value {
+            object: self.name.clone(),
+            place: format!("part {part}, {place}"),
+            found,
+            wanted,
+        };
+        let count = triangles.len();
+        if count == 0 || count > MAX_TRIANGLES {
+            return Err(wrong("triangles", count.to_string(), format!("1 to {MAX_TRIANGLES}")));
+        }
+        if let Some(corner) = triangles.iter().flatten().find(|&&corner| corner as usize >= positions.len()) {
+            let found = format!("corner {corner} of {}", positions.len());
+            return Err(wrong("triangles", found, "corners that exist".to_owned()));
+        }
+        if let Some(position) = positions.iter().find(|p| !p.iter().all(|x| f64::from(x.abs()) < 1e3 * MAX_SIZE_M)) {
+            return Err(wrong("positions", format!("{position:?}"), "coordinates within 2 m".to_owned()));
+        }
+        Ok(())
+    }
+}
+
+/// A mesh with its normals.
+fn surface(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Mesh {
+    let positions = positions.iter().map(|p| Point3::from(p.map(f64::from))).collect();
+    let mut mesh = Mesh { positions, normals: Vec::new(), triangles: triangles.to_vec() };
+    mesh.normals = area_weighted_normals(&mesh);
+    mesh
+}
+
 /// Least and greatest coordinates; both zero for an empty mesh.
-fn bounds(mesh: &Mesh) -> (Vector3<f64>, Vector3<f64>) {
+pub(super) fn bounds(mesh: &Mesh) -> (Vector3<f64>, Vector3<f64>) {
     let first = mesh.positions.first().map_or(Vector3::zeros(), |p| p.coords);
     mesh.positions.iter().fold((first, first), |(least, most), p| (least.inf(&p.coords), most.sup(&p.coords)))
 }

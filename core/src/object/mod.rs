@@ -4,6 +4,7 @@
 //! refuses what cannot be a solid, so meshes and extents of a parsed object always exist. What is not here: hollow
 //! objects (a glass is a closed solid) and textures.
 
+mod brought;
 mod error;
 mod household;
 mod loft;

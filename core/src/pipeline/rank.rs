@@ -12,6 +12,7 @@ use crate::grasp::{
     ContactSurface, Grasp, GraspSettings, HandHit, HandModel, Quality, RankBy, Surfels, Touched, Trials, candidates,
     rank,
 };
+use crate::guest::GuestRobot;
 use crate::job::{FitOutput, Refusal};
 use crate::library::Library;
 use crate::parallel;
@@ -139,7 +140,8 @@ pub(super) fn obstacles(
 /// The described object that stands there, or the number of the cluster.
 fn neighbour_name(scene: &Scene, X_WS: &Isometry3<f64>, index: usize, is_dropped: bool) -> String {
     let described = scene.object_at(X_WS).filter(|_| !is_dropped);
-    described.map_or_else(|| format!("cluster {index}"), |placed| placed.object.replace('_', " "))
+    described
+        .map_or_else(|| format!("cluster {index}"), |placed| GuestRobot::title_of(&placed.object).replace('_', " "))
 }
 
 /// What fingers close on, as the scene asks.

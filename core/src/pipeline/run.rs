@@ -47,6 +47,15 @@ impl Pipeline {
     /// The answer depends on the request alone. Times are read from the watch's clock.
     pub fn run(&mut self, request: &Request, watch: &Watch<'_>, emit: &mut (dyn FnMut(Update) + Send)) {
         let revision = request.revision;
+        request.objects.iter().for_each(|object| self.library.bring(object));
+        // Another instance of the program may have sent it: this one makes the robot from its files then.
+        if let Some(guest) = request.robot.as_ref().filter(|_| self.library.guest(&request.scene.robot).is_none())
+            && let Err(error) = self.library.welcome(guest)
+        {
+            emit(Update::Refused { revision, stage: request.first, refusal: Refusal::new(error.to_string()) });
+            emit(Update::Finished { revision });
+            return;
+        }
         if let Some(cluster) = request.compare {
             self.compare(request, cluster, *watch, emit);
             emit(Update::Finished { revision });

@@ -72,6 +72,20 @@ pub struct Placement {
 }
 
 impl Placement {
+    /// A pose, its rotation as the three angles with the pitch within a quarter turn.
+    pub fn of(X: &Isometry3<f64>) -> Self {
+        let R = X.rotation.to_rotation_matrix();
+        let across = (R[(0, 0)] * R[(0, 0)] + R[(1, 0)] * R[(1, 0)]).sqrt();
+        let pitch = crate::math::atan2(-R[(2, 0)], across);
+        // Where x points up or down, roll and yaw turn about one axis: the yaw is left at 0.
+        let (roll, yaw) = if across > 1e-9 {
+            (crate::math::atan2(R[(2, 1)], R[(2, 2)]), crate::math::atan2(R[(1, 0)], R[(0, 0)]))
+        } else {
+            (crate::math::atan2(-R[(1, 2)], R[(1, 1)]), 0.0)
+        };
+        Self { xyz: X.translation.vector.into(), rpy: [roll, pitch, yaw] }
+    }
+
     /// The pose.
     pub fn isometry(&self) -> Isometry3<f64> {
         let [x, y, z] = self.xyz;
@@ -340,6 +354,18 @@ fn text_or_lines<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, D
 mod tests {
     use super::*;
     use crate::robot::samples::hand;
+
+    #[test]
+    fn a_placement_is_the_pose_that_it_was_made_of() {
+        let mut rng = crate::rng::Rng::new(4, 0);
+        let mut angle = || rng.uniform(-3.0, 3.0);
+        for k in 0..200 {
+            let pitch = if k % 4 == 0 { std::f64::consts::FRAC_PI_2 } else { angle() };
+            let X = Placement { xyz: [angle(), 0.2, -1.0], rpy: [angle(), pitch, angle()] }.isometry();
+            let again = Placement::of(&X).isometry();
+            assert!((X.to_homogeneous() - again.to_homogeneous()).amax() < 1e-9, "{X}");
+        }
+    }
 
     #[test]
     fn a_description_is_written_and_read_again() {

@@ -43,6 +43,64 @@ pub fn apply_srdf(robot: &mut Robot, srdf: &str, notes: &mut Vec<String>) -> Res
     Ok(())
 }
 
+/// What any SRDF says of a robot, whether it keeps to our conventions or not.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct SrdfHints {
+    /// Base link and tip link of each chain that carries an end effector; without end effectors, of each long chain.
+    pub(crate) arms: Vec<(usize, usize)>,
+    /// States: name, and joints with their positions.
+    pub(crate) states: Vec<(String, BTreeMap<String, f64>)>,
+    /// Names of links that need not be looked at together.
+    pub(crate) disabled: Vec<(String, String)>,
+}
+
+/// Reads the hints of an SRDF; chains shorter than `least_joints` are no arms.
+///
+/// # Errors
+/// [`RobotError`] when a name is unknown or a group is no chain.
+pub(crate) fn srdf_hints(robot: &Robot, srdf: &str, least_joints: usize) -> Result<SrdfHints, RobotError> {
+    let document = xml::parse("SRDF", srdf)?;
+    let root = document.root_element();
+    let groups = Groups::read(robot, root)?;
+    let mut hints = SrdfHints::default();
+    let ends_of = |group: &Group| {
+        let dofs = dofs_of(robot, group);
+        let (&first, &last) = dofs.first().zip(dofs.last())?;
+        let of_joints = (robot.joints[robot.dof_joints[first]].parent, robot.joints[robot.dof_joints[last]].child);
+        let (base, tip) = group.chain.unwrap_or(of_joints);
+        (dofs.len() >= least_joints && robot.chain(base, tip).is_some()).then_some((base, tip))
+    };
+    for node in xml::children(root, "end_effector") {
+        let Some(name) = node.attribute("parent_group") else { continue };
+        let Some((base, tip)) = groups.read.get(name).and_then(ends_of) else { continue };
+        let stated = node.attribute("parent_link").and_then(|name| robot.link_index(name));
+        let tip = stated.filter(|&link| robot.chain(tip, link).is_some()).unwrap_or(tip);
+        hints.arms.push((base, tip));
+    }
+    if hints.arms.is_empty() {
+        hints.arms.extend(groups.read.values().filter(|group| group.chain.is_some()).filter_map(ends_of));
+        hints.arms.sort_unstable();
+    }
+    hints.arms.dedup();
+    for node in xml::children(root, "group_state") {
+        let mut joints = BTreeMap::new();
+        for joint in xml::children(node, "joint") {
+            let index = joint_named(robot, joint, "group_state")?;
+            if let Some(value) = xml::number(joint, "value", "group_state")? {
+                joints.insert(robot.joints[index].name.clone(), value);
+            }
+        }
+        hints.states.push((xml::text(node, "name", "group_state")?.to_owned(), joints));
+    }
+    for node in xml::children(root, "disable_collisions") {
+        let name = |attribute| {
+            link_named(robot, node, attribute, "disable_collisions").map(|link| robot.links[link].name.clone())
+        };
+        hints.disabled.push((name("link1")?, name("link2")?));
+    }
+    Ok(hints)
+}
+
 /// A group: the links it moves, and the tip of its chain when it is one.
 #[derive(Clone, Debug, Default)]
 struct Group {

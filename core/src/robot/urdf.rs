@@ -32,14 +32,37 @@ const DEFAULT_VELOCITY: f64 = 1.0;
 /// Gives the bytes of a file that the URDF names, such as `package://endcomfort/robots/meshes/palm_joint.obj`.
 pub type Resolve<'a> = dyn Fn(&str) -> Option<Vec<u8>> + 'a;
 
+/// A body that is left out because its mesh could not be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MissingMesh {
+    /// Link that it belongs to.
+    pub link: String,
+    /// Whether it would be drawn; else it would collide.
+    pub is_visual: bool,
+    /// The file as the URDF names it.
+    pub file: String,
+}
+
 /// Reads a URDF; arms, hands and postures stay empty until the SRDF is applied ([`super::load_robot`]).
 ///
 /// # Errors
 /// [`RobotError`], with the line of whatever makes the tree unusable.
 pub fn read_urdf(urdf: &str, resolve: &Resolve<'_>) -> Result<Loaded<Robot>, RobotError> {
+    Ok(read_urdf_and_missing(urdf, resolve)?.0)
+}
+
+/// As [`read_urdf`], with the bodies that are left out because their meshes could not be read.
+///
+/// # Errors
+/// As [`read_urdf`].
+pub fn read_urdf_and_missing(
+    urdf: &str,
+    resolve: &Resolve<'_>,
+) -> Result<(Loaded<Robot>, Vec<MissingMesh>), RobotError> {
     let document = xml::parse("URDF", urdf)?;
     let root = document.root_element();
-    let mut reader = Reader { resolve, materials: BTreeMap::new(), meshes: BTreeMap::new(), notes: Vec::new() };
+    let mut reader =
+        Reader { resolve, materials: BTreeMap::new(), meshes: BTreeMap::new(), notes: Vec::new(), missing: Vec::new() };
     for material in xml::children(root, "material") {
         reader.define_material(material)?;
     }
@@ -74,7 +97,7 @@ pub fn read_urdf(urdf: &str, resolve: &Resolve<'_>) -> Result<Loaded<Robot>, Rob
         postures: Vec::new(),
         allowed_collisions: Vec::new(),
     };
-    Ok(Loaded { value: robot, notes: reader.notes })
+    Ok((Loaded { value: robot, notes: reader.notes }, reader.missing))
 }
 
 /// Notes the line of a name and refuses its second use.
@@ -97,6 +120,7 @@ struct Reader<'r> {
     /// Meshes read so far, by name and scale; `None` where one could not be read.
     meshes: BTreeMap<String, Option<Arc<Mesh>>>,
     notes: Vec<String>,
+    missing: Vec<MissingMesh>,
 }
 
 impl Reader<'_> {
@@ -136,17 +160,26 @@ impl Reader<'_> {
         let mut visuals = Vec::new();
         for visual in xml::children(node, "visual") {
             let material = self.material(visual, &thing)?;
-            if let Some((X_LV, geometry)) = self.body(visual, &thing)? {
-                visuals.push(Visual { X_LV, geometry, material });
+            match self.body(visual, &thing)? {
+                Some((X_LV, geometry)) => visuals.push(Visual { X_LV, geometry, material }),
+                None => self.miss(visual, &name, true),
             }
         }
         let mut collisions = Vec::new();
         for collision in xml::children(node, "collision") {
-            if let Some((X_LC, geometry)) = self.body(collision, &thing)? {
-                collisions.push(CollisionBody { X_LC, geometry });
+            match self.body(collision, &thing)? {
+                Some((X_LC, geometry)) => collisions.push(CollisionBody { X_LC, geometry }),
+                None => self.miss(collision, &name, false),
             }
         }
         Ok(Link { name, visuals, collisions })
+    }
+
+    /// Remembers a body that is left out.
+    fn miss(&mut self, body: Node<'_, '_>, link: &str, is_visual: bool) {
+        let mesh = xml::child(body, "geometry").and_then(|geometry| xml::child(geometry, "mesh"));
+        let file = mesh.and_then(|mesh| mesh.attribute("filename")).unwrap_or_default().trim().to_owned();
+        self.missing.push(MissingMesh { link: link.to_owned(), is_visual, file });
     }
 
     /// Pose and shape of a visual or collision; `None` when its mesh is left out.

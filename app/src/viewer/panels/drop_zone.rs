@@ -19,7 +19,7 @@ pub(super) fn draw(ui: &Ui) {
     let words = egui::Rect::from_center_size(middle + vec2(0.0, 8.0), vec2(440.0, 132.0));
     painter.rect(words, RADIUS, tokens.overlay, Stroke::new(1.0, tokens.line), StrokeKind::Inside);
     icons::paint(&painter, Icon::File, middle - vec2(0.0, 26.0), 30.0, tokens.teal);
-    let text = "Drop a PCD, PLY, XYZ, scene or session";
+    let text = "Drop a cloud, a scene, a session, or a robot with its meshes";
     let _rect = painter.text(middle + vec2(0.0, 14.0), Align2::CENTER_CENTER, text, strong(16.0), tokens.text);
     let text = "The pipeline runs on it at once. Undo brings this scene back.";
     let _rect = painter.text(middle + vec2(0.0, 40.0), Align2::CENTER_CENTER, text, font(BODY), tokens.secondary);

@@ -1,5 +1,7 @@
 //! The panels: one file each.
 
+mod bringing;
+mod bringing_files;
 mod cloud_menu;
 mod drop_zone;
 mod edges;
@@ -10,6 +12,7 @@ mod help;
 mod inspector;
 mod joints;
 mod layer_list;
+mod own_robot;
 mod palette;
 mod picture;
 mod plan;
@@ -97,6 +100,7 @@ pub fn draw_panels(ui: &mut Ui, state: &ViewerState) -> Vec<Command> {
         Overlay::None => {}
     }
     tour::draw(ui, state, &layout, &mut out);
+    bringing::draw(ui, state, &mut out);
     drop_zone::draw(ui);
     if state.presentation.is_none() {
         follow_pointer(ui, state, &layout, &mut out);

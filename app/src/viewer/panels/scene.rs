@@ -7,7 +7,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::Out;
 use super::inspector::heading;
-use super::things;
+use super::{own_robot, things};
 use crate::viewer::layout::Layout;
 use crate::viewer::state::Step;
 use crate::viewer::theme::{SECONDARY, Tokens};
@@ -34,7 +34,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         super::top_bar::robot_switch(ui, state, out);
         ui.add_space(6.0);
     }
-    if scene.handover.is_none() {
+    if scene.handover.is_none() && state.has_arm(scene.arm.other()) {
         ui.horizontal(|ui| {
             let chosen = Some(usize::from(scene.arm == ArmChoice::Right));
             if let Some(index) = segmented(ui, "Arm", &["Left arm", "Right arm"], chosen) {
@@ -73,6 +73,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         }
     });
 
+    own_robot::draw(ui, state, out);
     things::draw(ui, state, out);
 
     section(ui, "Camera");

@@ -4,12 +4,15 @@ use std::sync::Arc;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
+use endcomfort_core::guest::GuestRobot;
 use endcomfort_core::job::{DroppedCloud, SetShape};
+use endcomfort_core::object::HouseholdObject;
 use endcomfort_core::scene::{Scene, SceneError};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::{ShareError, SharedView, packing, patch};
+use crate::assets;
 use crate::render::Camera;
 use crate::viewer::{Demo, Document, ViewerState};
 
@@ -47,6 +50,12 @@ struct Content {
     scene: Option<Value>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     cloud: Option<Cloud>,
+    /// The scene's robot, if somebody brought it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    robot: Option<GuestRobot>,
+    /// Those of its objects that somebody brought.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    objects: Vec<HouseholdObject>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     cluster: Option<usize>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -104,6 +113,12 @@ pub fn session_text(state: &ViewerState, camera: Option<Camera>, with_cloud: boo
 pub(super) fn session_json(state: &ViewerState, camera: Option<Camera>, with_cloud: bool) -> Result<Value, ShareError> {
     let scene = Some(json(&*state.document.scene)?);
     let mut content = Content { demo: state.demo.clone(), scene, ..Content::of(state, camera) };
+    if with_cloud {
+        let library = assets::library();
+        let scene = &state.document.scene;
+        content.robot = library.guest(&scene.robot).map(|guest| (*guest.robot).clone());
+        content.objects = library.brought(scene).iter().map(|object| (**object).clone()).collect();
+    }
     if let Some(cloud) = &state.document.cloud {
         if with_cloud {
             content.cloud = Some(Cloud { name: cloud.name.clone(), base64: STANDARD.encode(&cloud.bytes) });
@@ -146,6 +161,8 @@ impl Content {
             changes: None,
             scene: None,
             cloud: None,
+            robot: None,
+            objects: Vec::new(),
             cluster: document.cluster,
             grasp: document.grasp,
             shape: document.shape,
@@ -161,7 +178,17 @@ impl Content {
         serde_json::from_value(json).map_err(format_error)
     }
 
-    fn opened(self, demos: &[Demo]) -> Result<Opened, ShareError> {
+    fn opened(mut self, demos: &[Demo]) -> Result<Opened, ShareError> {
+        // From here on the program knows them.
+        for object in std::mem::take(&mut self.objects) {
+            let object = HouseholdObject::parse(&json(&object)?.to_string());
+            let object = object.map_err(|error| ShareError::Format { reason: error.to_string() })?;
+            assets::library().bring(&Arc::new(object));
+        }
+        if let Some(robot) = self.robot.take() {
+            let welcome = assets::library().welcome(&Arc::new(robot));
+            welcome.map_err(|error| ShareError::Format { reason: error.to_string() })?;
+        }
         let scene = match (self.scene, &self.demo) {
             (Some(scene), _) => scene_of(scene)?,
             (None, Some(name)) => {

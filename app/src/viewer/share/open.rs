@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use endcomfort_core::guest::GuestRobot;
+
 use super::{Opened, ShareError, SharedView, content, read_session};
 use crate::viewer::state::Step;
 use crate::viewer::{Command, Effect, Looking, Outputs, Overlay, ViewEffect, ViewerState};
@@ -106,6 +108,13 @@ impl ViewerState {
         let is_long = length > content::LONG_LINK;
         let long =
             is_long.then(|| format!(" It has {length} characters, which some programs cut: a session file is safer."));
-        format!("Copied a link to this view.{}{}", cloud.unwrap_or_default(), long.unwrap_or_default())
+        let scene = &self.document.scene;
+        let brought = std::iter::once(&scene.robot).chain(scene.objects.iter().map(|placed| &placed.object));
+        let away = brought.map(|name| (GuestRobot::title_of(name), name)).find(|(title, name)| *title != name.as_str());
+        let away = away.map(|(title, _)| {
+            format!(" {title} is yours and not in the link: save the session instead (in the list of demos).")
+        });
+        let [cloud, away, long] = [cloud, away, long].map(Option::unwrap_or_default);
+        format!("Copied a link to this view.{cloud}{away}{long}")
     }
 }

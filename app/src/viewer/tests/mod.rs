@@ -3,6 +3,7 @@
 mod actions;
 mod behaviour;
 mod bench;
+mod bringing;
 mod grasping;
 mod handing;
 mod invented;

@@ -35,7 +35,7 @@ impl Booth {
     fn take(&mut self, picture: &Picture, shot: &Shot) -> RgbaImage {
         let camera = self.view.camera_for(shot.size_px);
         self.photographer
-            .expose(&self.ctx, &mut self.view, picture, camera, (shot, Quality::Live))
+            .expose(&self.ctx, &mut self.view, picture, (camera, None), (shot, Quality::Live))
             .expect("it is not too large");
         assert!(self.photographer.is_busy(), "nobody waits for the pixels");
         for _ in 0..10_000 {
@@ -111,7 +111,8 @@ fn what_is_too_large_is_refused_before_anything_is_drawn() {
         (Shot { size_px: [8000, 8000], ..SHOT }, "64.0 million"),
         (Shot { scale: 0.0, ..SHOT }, "pixels per point"),
     ] {
-        let refused = booth.photographer.expose(&booth.ctx, &mut booth.view, &brick(), camera, (&shot, Quality::Live));
+        let refused =
+            booth.photographer.expose(&booth.ctx, &mut booth.view, &brick(), (camera, None), (&shot, Quality::Live));
         let refused: SizeError = refused.expect_err("it is too large");
         assert!(refused.to_string().contains(wanted), "{refused}");
         assert!(!booth.photographer.is_busy());
