@@ -8,7 +8,7 @@ mod picture;
 mod plots;
 mod tables;
 
-pub use animation::{AnimationError, AnimationFormat, Clip, MAX_FRAMES, Recorder};
+pub use animation::{AnimationError, AnimationFormat, Clip, Recorder};
 pub use glb::{Moment, glb, glb_scene};
 pub use motion::{MotionFormat, export_motion};
 pub use picture::png_bytes;
