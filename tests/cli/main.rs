@@ -756,6 +756,14 @@ fn plots_are_written_as_svg() {
     assert!(text.starts_with("<svg ") && text.matches("<polyline ").count() == 2 && text.contains("time, s"), "{text}");
     let cost = endcomfort(&["plot", "cost", "jar"]);
     assert!(String::from_utf8_lossy(&cost.stdout).contains("rms of the residuals, mm"));
+    let clusters = scratch("plotted");
+    json(&["segment", "mustard", "--json", "--out", &clusters.to_string_lossy()]);
+    let cloud = clusters.join("cluster_2.ply").to_string_lossy().into_owned();
+    let fitted = endcomfort(&["fit", &cloud, "--plots", &clusters.to_string_lossy()]);
+    assert!(fitted.status.success(), "{}", String::from_utf8_lossy(&fitted.stderr));
+    let read = |name: &str| std::fs::read_to_string(clusters.join(name)).expect("the plot was written");
+    assert!(read("cluster_2_cost.svg").contains("runs on cluster_2"));
+    assert!(read("cluster_2_residuals.svg").contains("95 % within"));
     let none = endcomfort(&["plot", "cost", "jar", "--cluster", "99"]);
     assert!(String::from_utf8_lossy(&none.stderr).contains("there is no cluster 99"));
     assert_eq!(endcomfort(&["plot", "weather", "jar"]).status.code(), Some(2));

@@ -15,6 +15,7 @@ use serde_json::{Value, json};
 use super::table::Table;
 use super::{Common, Failure, input};
 use crate::clock::stopwatch;
+use crate::export::fit_svgs;
 
 #[derive(clap::Args)]
 pub(super) struct Args {
@@ -51,6 +52,9 @@ pub(super) struct Args {
     /// A full clean cloud in the same frame, on which the errors are evaluated as well.
     #[arg(long)]
     reference: Option<PathBuf>,
+    /// Folder that receives two plots of each fit: NAME_cost.svg and NAME_residuals.svg.
+    #[arg(long)]
+    plots: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -201,17 +205,43 @@ fn fit_one(
     let elapsed_ms = stopwatch();
     let fitted = fit(FitInput { points: &cloud.points, X_FC, table }, &settings, Watch::idle())
         .map_err(|refusal| Failure::new(format!("{shown}: {refusal}")))?;
+    let fit_ms = elapsed_ms();
+    if let Some(folder) = &args.plots {
+        write_plots(folder, path, &fitted, &cloud.points, settings.objective)?;
+    }
     let told = Told {
         file: &shown,
         fitted: &fitted,
         objective: settings.objective,
-        fit_ms: elapsed_ms(),
+        fit_ms,
         reference: reference.map(|points| (points.len(), fit_errors(&fitted.superquadric, points))),
     };
     if common.json {
         println!("{}", told.json());
     } else {
         told.print();
+    }
+    Ok(())
+}
+
+/// Writes the cost of every run and the distances of the points as SVG.
+fn write_plots(
+    folder: &Path,
+    cloud: &Path,
+    fitted: &Fit,
+    points: &[Point3<f64>],
+    objective: ObjectiveKind,
+) -> Result<(), Failure> {
+    let refuse = |path: &Path, cause: String| Failure::new(format!("{}: {cause}", path.display()));
+    let nearest = |p: &Point3<f64>| fitted.bodies().map(|body| body.signed_radial_distance(p)).min_by(f64::total_cmp);
+    let distances_m: Vec<f64> = points.iter().filter_map(nearest).collect();
+    let stem = cloud.file_stem().unwrap_or_default().to_string_lossy();
+    let plots = fit_svgs(fitted, &distances_m, objective, &stem).map_err(|cause| refuse(cloud, cause))?;
+    std::fs::create_dir_all(folder).map_err(|error| refuse(folder, error.to_string()))?;
+    for (kind, text) in plots {
+        let file = folder.join(format!("{stem}_{}.svg", kind.name()));
+        std::fs::write(&file, text).map_err(|error| refuse(&file, error.to_string()))?;
+        eprintln!("wrote {}", file.display());
     }
     Ok(())
 }

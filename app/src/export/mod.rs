@@ -8,10 +8,12 @@ mod picture;
 mod plots;
 mod tables;
 
-pub use animation::{AnimationError, AnimationFormat, Clip, MAX_FRAMES, Recorder};
+pub use animation::{AnimationError, AnimationFormat, Clip, Recorder};
 pub use glb::{Moment, glb, glb_scene};
 pub use motion::{MotionFormat, export_motion};
 pub use picture::png_bytes;
+#[cfg(not(target_arch = "wasm32"))]
+pub use plots::fit_svgs;
 pub use plots::{HISTOGRAM_BARS, Histogram, PlotKind, plot_svg, taken_run};
 pub use tables::{Results, TableFormat, TableKind, table_lines, table_text};
 

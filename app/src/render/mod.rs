@@ -45,7 +45,7 @@ pub use offscreen::{Offscreen, OffscreenError};
 pub use pick::{Hit, Picker, pick};
 pub use readback::Readback;
 pub use renderer::{Quality, Renderer};
-pub use size::{MAX_PIXELS, MAX_SIDE_PX, SCALES, SizeError, check_scale, check_size};
+pub use size::{MAX_SIDE_PX, SizeError, check_scale, check_size};
 pub use target::Target;
 pub use theme::Theme;
 pub use view::View;

@@ -3,9 +3,9 @@
 /// Longest side of a picture in pixels.
 pub const MAX_SIDE_PX: u32 = 8192;
 /// Most pixels of a picture: as many as 8K has (7680 × 4320). Its samples and depths take 1.3 GB while it is drawn.
-pub const MAX_PIXELS: u64 = 7680 * 4320;
+const MAX_PIXELS: u64 = 7680 * 4320;
 /// Fewest and most pixels per point.
-pub const SCALES: [f32; 2] = [0.25, 10.0];
+const SCALES: [f32; 2] = [0.25, 10.0];
 
 /// Why a picture of this size is not drawn.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]

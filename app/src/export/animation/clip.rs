@@ -1,7 +1,7 @@
 //! Which moments of a plan an animation shows, and what it is written as.
 
 /// Most frames of an animation: a minute at 60 frames per second.
-pub const MAX_FRAMES: usize = 3600;
+pub(super) const MAX_FRAMES: usize = 3600;
 /// Largest file that is written, bytes: 512 MB.
 pub(super) const MAX_BYTES: usize = 512 << 20;
 /// Two moments are the same when they are less than this apart, in frames.

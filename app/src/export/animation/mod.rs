@@ -15,5 +15,5 @@ mod zip;
 #[cfg(test)]
 mod tests;
 
-pub use clip::{AnimationError, AnimationFormat, Clip, MAX_FRAMES};
+pub use clip::{AnimationError, AnimationFormat, Clip};
 pub use recorder::Recorder;

@@ -94,11 +94,6 @@ impl Recorder {
         (self.taken, self.learned + self.clip.frame_count())
     }
 
-    /// What it is written as.
-    pub fn format(&self) -> AnimationFormat {
-        self.clip.format
-    }
-
     /// The finished file.
     ///
     /// # Errors

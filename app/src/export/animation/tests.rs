@@ -4,7 +4,8 @@ use std::io::Cursor;
 
 use image::{Rgba, RgbaImage};
 
-use super::{AnimationError, AnimationFormat, Clip, MAX_FRAMES, Recorder};
+use super::clip::MAX_FRAMES;
+use super::{AnimationError, AnimationFormat, Clip, Recorder};
 
 const SIZE: [u32; 2] = [48, 32];
 

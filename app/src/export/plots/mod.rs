@@ -9,6 +9,8 @@ mod svg;
 #[cfg(test)]
 mod tests;
 
+#[cfg(not(target_arch = "wasm32"))]
+use endcomfort_core::fit::{Fit, ObjectiveKind};
 use endcomfort_core::job::Stage;
 use endcomfort_core::scene::Scene;
 
@@ -88,13 +90,32 @@ pub fn plot_svg(
             let cluster = cluster.unwrap_or(found.target);
             let fit = found.fits.get(cluster).ok_or_else(|| format!("there is no cluster {cluster}"))?;
             let fit = fit.as_ref().map_err(Clone::clone)?;
+            let of = format!("cluster {cluster}");
             match kind {
-                PlotKind::Cost => of_fit::cost(fit, cluster, scene.fit.objective)?,
-                _ => of_fit::residuals(found.distances_m.get(cluster).map_or(&[], Vec::as_slice), cluster)?,
+                PlotKind::Cost => of_fit::cost(fit, &of, scene.fit.objective)?,
+                _ => of_fit::residuals(found.distances_m.get(cluster).map_or(&[], Vec::as_slice), &of)?,
             }
         }
     };
     Ok(svg::svg(&sheet))
+}
+
+/// The plots of a single cloud's fit, by their kinds: the cost of its runs, and the distances of its points.
+///
+/// * `of`: what the titles call the cloud.
+///
+/// # Errors
+/// A clause when there is nothing to plot.
+#[cfg(not(target_arch = "wasm32"))]
+pub fn fit_svgs(
+    fit: &Fit,
+    distances_m: &[f64],
+    objective: ObjectiveKind,
+    of: &str,
+) -> Result<[(PlotKind, String); 2], String> {
+    let cost = of_fit::cost(fit, of, objective)?;
+    let residuals = of_fit::residuals(distances_m, of)?;
+    Ok([(PlotKind::Cost, svg::svg(&cost)), (PlotKind::Residuals, svg::svg(&residuals))])
 }
 
 /// `#rrggbb` of a display colour.

@@ -18,8 +18,8 @@ pub fn taken_run(runs: &[RunReport]) -> usize {
     candidates.min_by(|l, r| cost(l.1).total_cmp(&cost(r.1))).map_or(0, |(index, _)| index)
 }
 
-/// Cost of every run over its steps, on a logarithmic axis.
-pub(super) fn cost(fit: &Fit, cluster: usize, objective: ObjectiveKind) -> Result<Sheet, String> {
+/// Cost of every run over its steps, on a logarithmic axis. `of` is what the title calls the cloud.
+pub(super) fn cost(fit: &Fit, of: &str, objective: ObjectiveKind) -> Result<Sheet, String> {
     if fit.runs.is_empty() {
         return Err("no run is on record".to_owned());
     }
@@ -44,7 +44,7 @@ pub(super) fn cost(fit: &Fit, cluster: usize, objective: ObjectiveKind) -> Resul
     let label = format!("rms of the residuals{unit}");
     let y = Axis { label, min: 0.8 * low, max: 1.25 * high.max(low), is_log: true };
     Ok(Sheet {
-        title: format!("Cost of the {} runs on cluster {cluster}", fit.runs.len()),
+        title: format!("Cost of the {} runs on {of}", fit.runs.len()),
         key: Vec::new(),
         charts: vec![Chart {
             title: String::new(),
@@ -60,8 +60,8 @@ pub(super) fn cost(fit: &Fit, cluster: usize, objective: ObjectiveKind) -> Resul
     })
 }
 
-/// Distances of the points from the surface.
-pub(super) fn residuals(distances_m: &[f64], cluster: usize) -> Result<Sheet, String> {
+/// Distances of the points from the surface. `of` is what the title calls the cloud.
+pub(super) fn residuals(distances_m: &[f64], of: &str) -> Result<Sheet, String> {
     let found = Histogram::of(distances_m).ok_or("there are no distances")?;
     let scale = Scale { map: ColorMap::Diverging, min: -found.end_m, max: found.end_m, is_log: false };
     let bar = |index: usize| Bar {
@@ -79,7 +79,7 @@ pub(super) fn residuals(distances_m: &[f64], cluster: usize) -> Result<Sheet, St
     );
     let end_mm = 1e3 * found.end_m;
     Ok(Sheet {
-        title: format!("Signed radial distance of the points of cluster {cluster}"),
+        title: format!("Signed radial distance of the points of {of}"),
         key: Vec::new(),
         charts: vec![Chart {
             title: said,

@@ -92,6 +92,7 @@ fn demo_menu(ui: &mut Ui, state: &ViewerState, max_width: f32, out: &mut Out) {
         let rows = [
             ("All demos…", Command::Show(Overlay::Gallery)),
             ("Copy a link to this view", Command::Share),
+            ("Save a picture or an animation…", Command::Show(Overlay::Picture)),
             ("Save the session", Command::SaveSession),
             ("Save the scene", Command::SaveScene),
         ];
