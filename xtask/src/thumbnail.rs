@@ -9,7 +9,7 @@ use anyhow::{Context as _, Result};
 use image::codecs::jpeg::JpegEncoder;
 
 /// Quality of a thumbnail, of 100: thin lines stay clean.
-const QUALITY: u8 = 84;
+const QUALITY: u8 = 74;
 
 /// Writes a drawn PNG as the JPEG of a thumbnail.
 pub(crate) fn shrink(drawn: &Path, thumbnail: &Path) -> Result<()> {

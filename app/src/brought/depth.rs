@@ -102,5 +102,13 @@ mod tests {
         assert_eq!(photo, "photo.png: found 3 channels of 8 bits, wanted a depth image of one channel of 16 bits");
         let whole = png(8, 8, vec![7; 64]);
         assert!(DepthImage::read("cut.png", &whole[..40]).is_err());
+        // No byte that is another one makes it panic.
+        for at in 0..whole.len() {
+            for other in [0, 1, 127, 255] {
+                let mut bytes = whole.clone();
+                bytes[at] = other;
+                let _any = DepthImage::read("a.png", &bytes);
+            }
+        }
     }
 }

@@ -70,7 +70,7 @@ enum Command {
     /// Builds the reachability maps of a robot's arms, or says what is in a map's file.
     Reach(reach::Args),
     /// Draws one picture without a window.
-    Render(render::Args),
+    Render(Box<render::Args>),
     /// Writes a table of the interface: clusters, fits, phases, joints and so on.
     Table(tables::Args),
     /// Writes a plot of the interface as SVG.

@@ -26,8 +26,10 @@ pub fn cloud_scale(cloud: &SceneOutput, by: CloudColor) -> Option<Scale> {
     Some(Scale::covering(ColorMap::Viridis, cloud.cloud.points.iter().map(value)))
 }
 
-/// What gives the amount that colours a point, metres.
-fn amount(cloud: &SceneOutput, by: CloudColor) -> Option<Box<dyn Fn(&Point3<f64>) -> f64>> {
+/// Gives the amount that colours a point, metres.
+type Amount = Box<dyn Fn(&Point3<f64>) -> f64>;
+
+fn amount(cloud: &SceneOutput, by: CloudColor) -> Option<Amount> {
     match by {
         CloudColor::Height => Some(Box::new(|p_W| p_W.z)),
         CloudColor::Distance => {

@@ -97,7 +97,8 @@ impl RobotWindow {
         let RobotDescription { arms, stand, posture, .. } = &guest.description;
         let positions = || joints.iter().map(|(name, _)| posture.get(name).copied().unwrap_or(0.0)).collect();
         let mut arms = arms.clone();
-        if let (true, Some(robot)) = (arms.is_empty(), &bare) {
+        // Without a problem its SRDF names them.
+        if let (true, Some(_), Some(robot)) = (arms.is_empty(), &problem, &bare) {
             arms.push(deepest_chain(robot));
         }
         let posture = (!posture.is_empty()).then(positions);
@@ -108,8 +109,11 @@ impl RobotWindow {
     /// The robot that stands in the window.
     fn asked(&self) -> GuestRobot {
         let RobotDraft { arms, stand, posture } = &self.draft;
+        // What nobody set stays unsaid: fingers start open.
+        let is_said = |name: &String, value: f64| value != 0.0 || self.guest.description.posture.contains_key(name);
         let named = |values: &Vec<f64>| {
-            self.joints.iter().zip(values).map(|((name, _), value)| (name.clone(), *value)).collect()
+            let joints = self.joints.iter().zip(values).filter(|((name, _), value)| is_said(name, **value));
+            joints.map(|((name, _), value)| (name.clone(), *value)).collect()
         };
         let description = RobotDescription {
             arms: arms.clone(),

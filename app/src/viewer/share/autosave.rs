@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::content::session_json;
+use super::content::{self, session_json};
 use super::{Opened, read_session};
 use crate::clock;
 use crate::host::{Entry, Store};
@@ -11,7 +11,7 @@ use crate::viewer::{Demo, ViewerState};
 
 /// It is written no more often than this, seconds.
 const EVERY_S: f64 = 2.0;
-/// A browser keeps about five million characters for a site: what is longer is written without its cloud.
+/// A browser keeps about five million characters for a site: what is longer is written without the files that were brought.
 const MAX_CHARACTERS: usize = 4_000_000;
 /// What is older is not offered any more, seconds: 30 days.
 const KEPT_FOR_S: f64 = 30.0 * 24.0 * 3600.0;
@@ -50,7 +50,7 @@ impl Autosave {
     pub(in crate::viewer) fn write(&mut self, state: &ViewerState, camera: Camera, now_s: f64, store: &mut dyn Store) {
         (self.revision, self.written_s) = (state.revision, now_s);
         // Base64 makes four characters of three bytes.
-        let fits = state.document.cloud.as_ref().is_some_and(|cloud| cloud.bytes.len() / 3 * 4 < MAX_CHARACTERS);
+        let fits = content::brought_bytes(state) / 3 * 4 < MAX_CHARACTERS;
         let is_short = |text: &String| text.len() <= MAX_CHARACTERS;
         let whole = fits.then(|| record(state, camera, true)).flatten().filter(is_short);
         let text = whole.or_else(|| record(state, camera, false).filter(is_short));

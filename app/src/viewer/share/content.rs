@@ -129,6 +129,20 @@ pub(super) fn session_json(state: &ViewerState, camera: Option<Camera>, with_clo
     written(SESSION_KEY, &content)
 }
 
+/// How many bytes of files a session of this state holds: a cloud, a robot's meshes, objects.
+pub(super) fn brought_bytes(state: &ViewerState) -> usize {
+    let (document, library) = (&state.document, assets::library());
+    let cloud = document.cloud.as_ref().map_or(0, |cloud| cloud.bytes.len());
+    let robot = library.guest(&document.scene.robot).map_or(0, |guest| {
+        let meshes: usize = guest.robot.meshes.values().map(|mesh| mesh.0.len()).sum();
+        meshes + guest.robot.urdf.len()
+    });
+    // A corner takes some thirty characters as text, a triangle some twenty.
+    let objects = library.brought(&document.scene);
+    let objects = objects.iter().map(|object| 50 * object.mesh().triangles.len());
+    cloud + robot + objects.sum::<usize>()
+}
+
 /// Reads a link: an address with `#s=…` in it, that part alone, or what follows it.
 ///
 /// # Errors

@@ -13,7 +13,7 @@ use crate::assets;
 use crate::host::{Entry, Store};
 use crate::render::{Camera, Cut};
 use crate::viewer::state::Step;
-use crate::viewer::{CloudLook, Command, Demo, Document, Layer, LookCommand, ViewCommand, ViewerState};
+use crate::viewer::{BringCommand, CloudLook, Command, Demo, Document, Layer, LookCommand, ViewCommand, ViewerState};
 
 /// What any chat program, mail and issue tracker takes, characters.
 const SHORT: usize = 2000;
@@ -309,4 +309,34 @@ fn kept_views_the_cut_and_the_look_of_points_travel_and_wrong_ones_are_named() {
         let error = wrong.checked().unwrap_err().to_string();
         assert!(error.contains("view."), "{error}");
     }
+}
+
+#[test]
+fn a_session_carries_a_robot_and_an_object_of_ones_own_and_a_link_says_that_it_does_not() {
+    let mut state = with_demo("mustard");
+    let urdf = include_str!("../../../../robots/examples/six_arm.urdf");
+    let robot = vec![("six_arm.urdf".to_owned(), urdf.as_bytes().to_vec())];
+    let _run = state.apply(Command::Bring(BringCommand::Files(robot)));
+    let obj = b"v 0 0 0\nv 80 0 0\nv 0 80 0\nv 0 0 80\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n".to_vec();
+    let _asks = state.apply(Command::Bring(BringCommand::Files(vec![("tetra.obj".to_owned(), obj)])));
+    let _run = state.apply(Command::Bring(BringCommand::Accept { is_grasped: true }));
+    let document = state.document.clone();
+    assert!(document.scene.robot.starts_with("six_arm@"));
+
+    let session: Value = serde_json::from_str(&session_text(&state, None, true).unwrap()).unwrap();
+    assert_eq!(session["robot"]["urdf"], urdf);
+    assert!(session["objects"][0]["name"].as_str().unwrap().starts_with("tetra@"));
+    let opened = read_session(session.clone(), &demos()).unwrap();
+    assert_eq!(opened.document, document);
+    // What is wrong with a robot that travels is said like what is wrong with a file.
+    let mut broken = session;
+    broken["robot"]["urdf"] = "<robot name='r'/>".into();
+    let error = read_session(broken, &demos()).unwrap_err().to_string();
+    assert!(error.contains("no links"), "{error}");
+
+    let link = link_text(&state, None).unwrap();
+    let content: Value = serde_json::from_str(&unpack(link.strip_prefix("#s=").unwrap()).unwrap()).unwrap();
+    assert!(content.get("robot").is_none() && content.get("objects").is_none());
+    let sentence = state.shared_sentence(link.len());
+    assert!(sentence.contains("six_arm is yours and not in the link: save the session"), "{sentence}");
 }

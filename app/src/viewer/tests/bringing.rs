@@ -70,9 +70,11 @@ fn the_scene_panel_lists_missing_meshes_and_opens_the_window_of_arms_and_hands()
     harness.get_by_label("Arms and hands…").click();
     harness.run();
     harness.get_by_label("Arms and hands of six_arm");
+    harness.run_steps(30);
     harness.get_by_label("Use this robot").click();
-    harness.run();
-    assert!(harness.state().state.bringing.is_none());
+    harness.run_steps(30);
+    let page = harness.state();
+    assert!(page.state.bringing.is_none(), "{:?}, {:?}", page.commands, page.state.bringing);
 }
 
 #[test]
@@ -101,6 +103,22 @@ fn a_robot_without_an_arm_that_can_be_found_asks_for_it() {
     assert!(bench.page.state.bringing.is_none());
     assert_eq!(bench.page.state.robot_title(), "odd");
     assert!(bench.page.state.outputs.rank.is_some(), "{:?}", bench.page.state.refusal());
+}
+
+#[test]
+fn a_robot_whose_srdf_names_its_arms_keeps_them() {
+    let [urdf, srdf] = ["urdf", "srdf"].map(|ending| crate::assets::read(&format!("robots/alita/alita.{ending}")));
+    let (urdf, srdf) = (urdf.expect("its URDF"), srdf.expect("its SRDF"));
+    let mut bench = Bench::until("mustard", Stage::Scene);
+    bring(&mut bench, &[("a/mine.urdf", urdf), ("a/mine.srdf", srdf)]);
+    let acting = bench.page.state.document.scene.robot.clone();
+    assert_eq!(GuestRobot::title_of(&acting), "mine");
+    assert!(bench.page.state.has_arm(ArmChoice::Left) && bench.page.state.has_arm(ArmChoice::Right));
+    bench.apply(Command::Bring(BringCommand::OpenRobot));
+    let Some(Bringing::Robot(window)) = &bench.page.state.bringing else { panic!("a window") };
+    assert!(window.draft.arms.is_empty() && window.draft.posture.is_some());
+    bench.apply(Command::Bring(BringCommand::Accept { is_grasped: false }));
+    assert_eq!(bench.page.state.document.scene.robot, acting, "nothing was changed");
 }
 
 #[test]
