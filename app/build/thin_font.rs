@@ -12,8 +12,8 @@ use read_fonts::types::{GlyphId, Tag};
 use read_fonts::{FontRef, TableProvider as _};
 
 /// Characters that names, numbers and formulas are made of: Latin, Greek, Cyrillic, punctuation, super- and subscripts,
-/// currencies, letter-like signs, arrows, mathematics.
-const SHOWN: [(u32, u32); 9] = [
+/// currencies, letter-like signs, arrows, mathematics, simple shapes.
+const SHOWN: [(u32, u32); 10] = [
     (0x20, 0x24f),
     (0x300, 0x36f),
     (0x370, 0x3ff),
@@ -23,6 +23,7 @@ const SHOWN: [(u32, u32); 9] = [
     (0x2100, 0x214f),
     (0x2190, 0x21ff),
     (0x2200, 0x22ff),
+    (0x25a0, 0x25ff),
 ];
 /// The axis of which nothing is used, and the one of which only what is heavier than regular is.
 const AXES: [Tag; 2] = [Tag::new(b"slnt"), Tag::new(b"wght")];

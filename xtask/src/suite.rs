@@ -13,7 +13,7 @@ use crate::{process, serve, setup, site, wasm};
 const SITE_VARIABLE: &str = "ENDCOMFORT_SITE";
 
 /// A page that is to open quickly weighs no more than this, in bytes.
-const BROTLI_BUDGET: usize = 4_000_000;
+const BROTLI_BUDGET: usize = 3_000_000;
 
 /// `cargo xtask test`.
 pub(crate) fn command(args: &[String]) -> Result<()> {

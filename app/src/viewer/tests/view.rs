@@ -150,7 +150,11 @@ fn the_view_frames_the_scene_between_the_panels_and_follows_the_hand() {
     });
     harness.run_steps(12);
     assert!(harness.state().view.camera().distance_m < 0.95 * before.distance_m);
+    // What is told of the brick lies over it.
+    harness.hover_at(Pos2::new(4.0, 4.0));
     let (nearer, still) = brick(&picture(&mut harness));
+    harness.hover_at(middle);
+    harness.run_steps(2);
     assert!(nearer > count, "{nearer} pixels after zooming, {count} before");
     assert!((still - middle).length() < 12.0, "{still:?} against {middle:?}");
 
