@@ -362,6 +362,9 @@ async function main() {
     takeFolders(program);
     if (isEmbedded) {
       answerMessages(program);
+    } else {
+      // Keys work from the start; in somebody else's page they are that page's until somebody clicks here.
+      element("view").focus({ preventScroll: true });
     }
     // Another link in the address of the same page loads nothing anew.
     addEventListener("hashchange", () => {

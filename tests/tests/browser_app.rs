@@ -9,7 +9,7 @@ use endcomfort::assets;
 use endcomfort::jobs::run_until;
 use endcomfort_core::job::{Output, Request, Stage};
 use endcomfort_core::task::plan_json_lines;
-use endcomfort_tests::browser::Browser;
+use endcomfort_tests::browser::{Browser, CONTROL, ENTER, ESCAPE};
 use serde_json::Value;
 
 const A_WHILE: Duration = Duration::from_secs(120);
@@ -358,5 +358,70 @@ fn a_worker_that_cannot_start_is_told_in_the_steps() -> Result<()> {
     let status =
         browser.wait_for_status("a refusal", A_WHILE, |status| stage(status, "scene")["state"] == "refused")?;
     assert!(stage(&status, "scene")["reason"].to_string().contains("fault in the program"), "{status:#}");
+    Ok(())
+}
+
+#[test]
+fn a_demo_is_found_opened_and_stepped_through_from_the_keyboard_alone() -> Result<()> {
+    let browser = Browser::with_webgl()?;
+    browser.open("?renderer=webgl")?;
+    browser.wait_until_it_runs()?;
+    // The software renderer draws a few pictures a second: whoever types faster than that types into what is not there.
+    let look = || std::thread::sleep(Duration::from_millis(1500));
+    look();
+    browser.press(&[ESCAPE])?;
+    look();
+    browser.chord(CONTROL, "k")?;
+    look();
+    let letters: Vec<String> = "turns a glass".chars().map(String::from).collect();
+    browser.press(&letters.iter().map(String::as_str).collect::<Vec<_>>())?;
+    look();
+    browser.screenshot("keyboard-palette")?;
+    browser.press(&[ENTER])?;
+    browser.wait_for_status("the demo chosen by its name", A_WHILE, |status| {
+        status["demo"] == "glass" && has_settled(status) && stage(status, "plan")["state"] == "done"
+    })?;
+    let is_playing = |status: &Value| status["playing"] == true;
+    if is_playing(&browser.status()?) {
+        browser.press(&[" "])?;
+        browser.wait_for_status("a plan that rests", A_WHILE, |status| !is_playing(status))?;
+    }
+    browser.press(&["."])?;
+    browser.wait_for_status("the next sample", A_WHILE, |status| status["time_s"].as_f64().is_some_and(|t| t > 0.0))?;
+    // Another projection, another side: the camera obeys keys as well.
+    let yaw = |status: &Value| status["camera"]["yaw_rad"].as_f64();
+    let before = yaw(&browser.status()?);
+    browser.press(&["3"])?;
+    browser.wait_for_status("another side", A_WHILE, |status| yaw(status) != before)?;
+    browser.screenshot("keyboard-alone")?;
+    let complaints = browser.complaints()?;
+    assert!(complaints.is_empty(), "{complaints:#?}");
+    Ok(())
+}
+
+#[test]
+fn one_finger_turns_the_view_and_two_bring_it_nearer() -> Result<()> {
+    let browser = browser_with_demo("mustard")?;
+    browser.run("window.endcomfort.pause()", &[])?;
+    std::thread::sleep(Duration::from_millis(800));
+    let camera = |browser: &Browser| -> Result<[f64; 2]> {
+        let camera = browser.status()?["camera"].clone();
+        let number = |name: &str| camera[name].as_f64().context("a camera has numbers");
+        Ok([number("yaw_rad")?, number("distance_m")?])
+    };
+    // Beside the robot, where nothing can be taken hold of.
+    let [yaw, distance] = camera(&browser)?;
+    browser.touch(&[([330, 200], [450, 200])])?;
+    std::thread::sleep(Duration::from_millis(800));
+    let [turned, same] = camera(&browser)?;
+    assert!((turned - yaw).abs() > 0.2, "from {yaw} to {turned} rad");
+    assert!((same - distance).abs() < 1e-6, "from {distance} to {same} m");
+    browser.touch(&[([420, 300], [340, 300]), ([520, 300], [600, 300])])?;
+    std::thread::sleep(Duration::from_millis(800));
+    let [_, nearer] = camera(&browser)?;
+    assert!(nearer < 0.8 * distance, "from {distance} to {nearer} m");
+    browser.screenshot("two-fingers")?;
+    let complaints = browser.complaints()?;
+    assert!(complaints.is_empty(), "{complaints:#?}");
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! The keyboard.
 
-use egui::{Context, Key, Modifiers};
+use egui::{Context, Event, Key, Modifiers};
 
 use super::actions::{self, Shortcut};
 use super::{Command, ViewerState};
@@ -35,6 +35,12 @@ fn pressed(input: &mut egui::InputState, modifiers: Modifiers, key: Key) -> bool
     if modifiers.any() {
         return input.consume_key(modifiers, key);
     }
-    let is_alone = !input.modifiers.any() || matches!(key, Key::Questionmark | Key::Escape);
-    is_alone && input.key_pressed(key)
+    // What was held when the key went down: by the end of a long frame it may have been let go.
+    let may_be_held = matches!(key, Key::Questionmark | Key::Escape);
+    input.events.iter().any(|event| match event {
+        Event::Key { key: pressed, pressed: true, modifiers, .. } => {
+            *pressed == key && (may_be_held || !modifiers.any())
+        }
+        _ => false,
+    })
 }

@@ -4,10 +4,12 @@
 //! alone, leave `cargo xtask serve` running and set the variable to the address that it prints.
 
 mod driver;
+mod hands;
 mod http;
 mod picture;
 mod session;
 
 pub use driver::Driver;
+pub use hands::{CONTROL, ENTER, ESCAPE};
 pub use picture::Picture;
 pub use session::{Browser, SITE_VARIABLE, site};

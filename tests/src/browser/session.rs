@@ -99,7 +99,7 @@ impl Browser {
         Ok(Self { driver, session, logs: Mutex::default(), _turn: turn })
     }
 
-    fn command(&self, method: &str, path: &str, body: &Value) -> Result<Value> {
+    pub(super) fn command(&self, method: &str, path: &str, body: &Value) -> Result<Value> {
         self.driver.command(method, &format!("/session/{}{path}", self.session), (method == "POST").then_some(body))
     }
 

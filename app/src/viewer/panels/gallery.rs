@@ -37,7 +37,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
         ui.horizontal(|ui| {
             ui.vertical(|ui| {
                 ui.label(egui::RichText::new("From a depth cloud to a comfortable grasp").font(strong(20.0)));
-                let text = "Pick a demo, or drop a PCD, PLY or XYZ cloud, a scene or a saved session anywhere.";
+                let text = "Pick a demo, or drop a cloud, a depth image, a mesh, a robot, a scene or a saved session anywhere.";
                 let _text = paragraph(ui, text, BODY, tokens.secondary);
             });
             ui.with_layout(egui::Layout::right_to_left(Align::Min), |ui| {
@@ -46,33 +46,30 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
                 }
             });
         });
+        let most = (window.height() - 250.0).max(180.0);
+        let (handovers, alone): (Vec<&Demo>, Vec<&Demo>) =
+            state.demos.iter().partition(|demo| demo.scene.handover.is_some());
+        let groups = [("One robot at work", alone), ("From hand to hand", handovers)];
+        let groups: Vec<_> = groups.into_iter().filter(|(_, demos)| !demos.is_empty()).collect();
         ui.add_space(12.0);
+        let mut jump = None;
         ui.horizontal_wrapped(|ui| {
-            ui.spacing_mut().item_spacing = vec2(12.0, 8.0);
+            ui.spacing_mut().item_spacing = vec2(10.0, 8.0);
             if primary_button(ui, "Take the 30-second tour", true).clicked() {
                 out.push(Command::Tour(TourCommand::Start));
+            }
+            if groups.len() > 1 {
+                for (index, (title, demos)) in groups.iter().enumerate() {
+                    if secondary_button(ui, &format!("{title} · {}", demos.len()), true).clicked() {
+                        jump = Some(index);
+                    }
+                }
             }
             if let Some(offer) = &state.offer {
                 restore(ui, offer, out);
             }
         });
         ui.add_space(12.0);
-        let most = (window.height() - 310.0).max(180.0);
-        let (handovers, alone): (Vec<&Demo>, Vec<&Demo>) =
-            state.demos.iter().partition(|demo| demo.scene.handover.is_some());
-        let groups = [("One robot at work", alone), ("From hand to hand", handovers)];
-        let groups: Vec<_> = groups.into_iter().filter(|(_, demos)| !demos.is_empty()).collect();
-        let mut jump = None;
-        if groups.len() > 1 {
-            ui.horizontal_wrapped(|ui| {
-                for (index, (title, demos)) in groups.iter().enumerate() {
-                    if secondary_button(ui, &format!("{title} · {}", demos.len()), true).clicked() {
-                        jump = Some(index);
-                    }
-                }
-            });
-            ui.add_space(10.0);
-        }
         // One group needs no heading.
         let heading = if groups.len() > 1 { HEADING } else { 0.0 };
         let rows: usize = groups.iter().map(|(_, demos)| demos.len().div_ceil(columns)).sum();
