@@ -22,6 +22,16 @@ pub(super) fn panel<R>(ui: &mut Ui, name: &str, rect: Rect, padding: Vec2, add: 
     add(&mut inside)
 }
 
+/// The frame of a window that lies over the page, with so much room inside, points.
+pub(super) fn overlay_frame(tokens: &Tokens, margin: i8) -> egui::Frame {
+    egui::Frame::new()
+        .fill(tokens.overlay)
+        .stroke(Stroke::new(1.0, tokens.line))
+        .corner_radius(RADIUS + 2)
+        .inner_margin(margin)
+        .shadow(tokens.shadow)
+}
+
 /// A line of text in a rectangle, cut with `…` if it is too long; the whole of it is in the tooltip then.
 pub(super) fn text_in(ui: &mut Ui, rect: Rect, align: Align, text: &str, font: FontId, color: Color32) -> Response {
     let layout = match align {

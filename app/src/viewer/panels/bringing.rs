@@ -1,6 +1,6 @@
 //! The window that asks what the files of a robot leave open: arms, hands, place, start posture.
 
-use egui::{Id, Modal, ScrollArea, Stroke, Ui};
+use egui::{Id, Modal, ScrollArea, Ui};
 use endcomfort_core::guest::ArmDescription;
 use endcomfort_core::robot::Placement;
 
@@ -8,9 +8,9 @@ use super::{Out, bringing_files};
 use crate::viewer::bringing::{HANDS, RobotDraft, RobotWindow, given_hand, joint_count};
 use crate::viewer::fields::dropdown;
 use crate::viewer::number::{Number, Touch, number};
-use crate::viewer::theme::{BODY, RADIUS, SECONDARY, Tokens};
+use crate::viewer::theme::{BODY, SECONDARY, Tokens};
 use crate::viewer::widgets::{
-    paragraph, primary_button, secondary_button, section, segmented, segmented_wide, switch, title,
+    overlay_frame, paragraph, primary_button, secondary_button, section, segmented, segmented_wide, switch, title,
 };
 use crate::viewer::{BringCommand, Bringing, Command, ViewerState};
 
@@ -89,12 +89,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
 
 fn robot(ui: &mut Ui, window: &RobotWindow, out: &mut Out) {
     let tokens = Tokens::of(ui);
-    let frame = egui::Frame::new()
-        .fill(tokens.overlay)
-        .stroke(Stroke::new(1.0, tokens.line))
-        .corner_radius(RADIUS + 2)
-        .inner_margin(22)
-        .shadow(tokens.shadow);
+    let frame = overlay_frame(tokens, 22);
     let room = ui.max_rect();
     let width = WIDTH.min(room.width() - 60.0);
     let mut draft = window.draft.clone();

@@ -1,12 +1,14 @@
 //! The windows that ask for the camera of a depth image, and what a mesh is.
 
-use egui::{Id, Modal, Stroke, Ui};
+use egui::{Id, Modal, Ui};
 use endcomfort_core::mesh_file::MeshUnit;
 
 use super::Out;
 use crate::viewer::number::{Number, number_row};
-use crate::viewer::theme::{BODY, RADIUS, SECONDARY, Tokens};
-use crate::viewer::widgets::{key_value, paragraph, primary_button, secondary_button, segmented_wide, title};
+use crate::viewer::theme::{BODY, SECONDARY, Tokens};
+use crate::viewer::widgets::{
+    key_value, overlay_frame, paragraph, primary_button, secondary_button, segmented_wide, title,
+};
 use crate::viewer::{BringCommand, Command, DepthWindow, MeshWindow};
 
 const WIDTH: f32 = 420.0;
@@ -82,12 +84,7 @@ fn dialog(
     content: impl FnOnce(&mut Ui, &mut Out),
 ) {
     let tokens = Tokens::of(ui);
-    let frame = egui::Frame::new()
-        .fill(tokens.overlay)
-        .stroke(Stroke::new(1.0, tokens.line))
-        .corner_radius(RADIUS + 2)
-        .inner_margin(22)
-        .shadow(tokens.shadow);
+    let frame = overlay_frame(tokens, 22);
     let width = WIDTH.min(ui.max_rect().width() - 60.0);
     let modal = Modal::new(Id::unique(id)).frame(frame).backdrop_color(tokens.scrim).show(ui.ctx(), |ui| {
         ui.set_width(width);

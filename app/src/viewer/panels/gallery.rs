@@ -9,7 +9,9 @@ use super::Out;
 use crate::viewer::handing::everybody;
 use crate::viewer::icons::Icon;
 use crate::viewer::theme::{BODY, RADIUS, SECONDARY, Tokens, font, strong};
-use crate::viewer::widgets::{focus_ring, icon_button, paragraph, primary_button, secondary_button, text_in};
+use crate::viewer::widgets::{
+    focus_ring, icon_button, overlay_frame, paragraph, primary_button, secondary_button, text_in,
+};
 use crate::viewer::{Command, Demo, Offer, Overlay, TourCommand, ViewerState, format};
 
 const GAP: f32 = 16.0;
@@ -26,12 +28,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     };
     let width = (window.width() - 96.0).min(316.0 * columns as f32 + GAP * (columns - 1) as f32);
     let card = vec2((width - GAP * (columns - 1) as f32) / columns as f32, 0.0);
-    let frame = egui::Frame::new()
-        .fill(tokens.overlay)
-        .stroke(Stroke::new(1.0, tokens.line))
-        .corner_radius(RADIUS + 4)
-        .inner_margin(24)
-        .shadow(tokens.shadow);
+    let frame = overlay_frame(tokens, 24);
     let modal = Modal::new(Id::unique("Gallery")).frame(frame).backdrop_color(tokens.scrim).show(ui.ctx(), |ui| {
         ui.set_width(width);
         ui.horizontal(|ui| {

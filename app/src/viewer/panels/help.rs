@@ -4,8 +4,8 @@ use egui::{Align, Id, Modal, Rect, ScrollArea, Sense, Stroke, StrokeKind, Ui, po
 
 use super::Out;
 use crate::viewer::actions::{self, Action, Topic};
-use crate::viewer::theme::{BODY, RADIUS, SECONDARY, Tokens, font};
-use crate::viewer::widgets::{section, text_in, title};
+use crate::viewer::theme::{BODY, SECONDARY, Tokens, font};
+use crate::viewer::widgets::{overlay_frame, section, text_in, title};
 use crate::viewer::{Command, Overlay, ViewerState};
 
 /// Width of a column, and of the keys in it, points.
@@ -15,12 +15,7 @@ const GAP: f32 = 28.0;
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     let tokens = Tokens::of(ui);
-    let frame = egui::Frame::new()
-        .fill(tokens.overlay)
-        .stroke(Stroke::new(1.0, tokens.line))
-        .corner_radius(RADIUS + 2)
-        .inner_margin(22)
-        .shadow(tokens.shadow);
+    let frame = overlay_frame(tokens, 22);
     let window = ui.max_rect();
     let widest = window.width() - 80.0;
     let columns = if widest >= 2.0 * COLUMN + GAP { 2 } else { 1 };

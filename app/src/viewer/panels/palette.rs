@@ -1,12 +1,12 @@
 //! The palette: everything that can be done, found by some of the letters of its name.
 
-use egui::{Align, Id, Key, Modal, Modifiers, Rect, Role, ScrollArea, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
+use egui::{Align, Id, Key, Modal, Modifiers, Rect, Role, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::Out;
 use crate::viewer::actions::{self, Action};
 use crate::viewer::fields::search;
-use crate::viewer::theme::{BODY, RADIUS, SECONDARY, SMALL_RADIUS, Tokens, font};
-use crate::viewer::widgets::{elided, paragraph, text_in};
+use crate::viewer::theme::{BODY, SECONDARY, SMALL_RADIUS, Tokens, font};
+use crate::viewer::widgets::{elided, overlay_frame, paragraph, text_in};
 use crate::viewer::{Command, Overlay, ViewerState};
 
 const WIDTH: f32 = 560.0;
@@ -25,12 +25,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     let tokens = Tokens::of(ui);
     let id = Id::unique("Palette");
     let mut asked: Asked = ui.data(|data| data.get_temp(id)).unwrap_or_default();
-    let frame = egui::Frame::new()
-        .fill(tokens.overlay)
-        .stroke(Stroke::new(1.0, tokens.line))
-        .corner_radius(RADIUS + 2)
-        .inner_margin(12)
-        .shadow(tokens.shadow);
+    let frame = overlay_frame(tokens, 12);
     let window = ui.max_rect();
     let (up, down, enter) = ui.input_mut(|input| {
         let mut taken = |key| input.consume_key(Modifiers::NONE, key);

@@ -1,14 +1,14 @@
 //! The window that saves what the view shows: as a picture, as an animation, or as bodies.
 
-use egui::{Align, Id, Modal, Rect, Role, ScrollArea, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
+use egui::{Align, Id, Modal, Rect, Role, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::Out;
 use crate::export::{AnimationFormat, Clip};
 use crate::viewer::fields::{dropdown, tabs};
 use crate::viewer::number::{Number, number_row};
-use crate::viewer::theme::{BODY, RADIUS, SECONDARY, Tokens, font};
+use crate::viewer::theme::{BODY, SECONDARY, Tokens, font};
 use crate::viewer::widgets::{
-    paragraph, primary_button, secondary_button, section, segmented_wide, switch, text_in, title,
+    overlay_frame, paragraph, primary_button, secondary_button, section, segmented_wide, switch, text_in, title,
 };
 use crate::viewer::{
     Command, Overlay, PictureCommand, PicturePage, PictureSettings, Shot, SizePreset, ViewerState, format,
@@ -18,12 +18,7 @@ const WIDTH: f32 = 400.0;
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     let tokens = Tokens::of(ui);
-    let frame = egui::Frame::new()
-        .fill(tokens.overlay)
-        .stroke(Stroke::new(1.0, tokens.line))
-        .corner_radius(RADIUS + 2)
-        .inner_margin(20)
-        .shadow(tokens.shadow);
+    let frame = overlay_frame(tokens, 20);
     let window = ui.max_rect();
     let dark = ui.visuals().dark_mode;
     let view = View { size: window.size() * ui.pixels_per_point(), scale: ui.pixels_per_point(), dark };
