@@ -143,6 +143,7 @@ pub struct DroppedCloud {
     /// File name.
     pub name: String,
     /// Its content.
+    #[serde(with = "crate::bulk")]
     pub bytes: Vec<u8>,
 }
 
@@ -233,8 +234,10 @@ pub struct SegmentOutput {
     /// The table plane in W.
     pub table: Plane,
     /// Fate of each point of the cloud.
+    #[serde(with = "crate::bulk")]
     pub fates: Vec<PointFate>,
     /// Points of each cluster, in W, largest first.
+    #[serde(with = "crate::bulk::lists")]
     pub clusters: Vec<Vec<Point3<f64>>>,
     /// The cluster that will be grasped.
     pub target: usize,
@@ -249,6 +252,7 @@ pub struct FitOutput {
     pub target: usize,
     /// Signed radial distance (3.4) of every point of every cluster from its fit, metres, negative inside; of several
     /// parts the nearest counts. Empty for a cluster without a fit.
+    #[serde(with = "crate::bulk::lists")]
     pub distances_m: Vec<Vec<f64>>,
     /// The fit that a shape set by a person ([`Request::shape`]) stands in for.
     pub automatic: Option<Box<Fit>>,

@@ -12,6 +12,7 @@
 #![forbid(unsafe_code)]
 #![allow(non_snake_case, reason = "frame letters: X_WO is the pose of O in W")]
 
+mod bulk;
 pub mod cloud;
 pub mod collision;
 pub mod experiment;

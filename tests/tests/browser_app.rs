@@ -92,13 +92,13 @@ fn a_demo_plans_and_plays() -> Result<()> {
     let duration_s = status["duration_s"].as_f64().context("a plan has a duration")?;
 
     browser.run("window.endcomfort.pause(); window.endcomfort.seek(0)", &[])?;
-    std::thread::sleep(Duration::from_millis(500));
+    browser.wait_until_it_rests()?;
     let start = browser.screenshot("mustard-start")?;
     browser.run("window.endcomfort.seek(arguments[0])", &[(0.6 * duration_s).into()])?;
     browser.wait_for_status("the sought time", A_WHILE, |status| {
         status["time_s"].as_f64().is_some_and(|time_s| (time_s - 0.6 * duration_s).abs() < 1e-6)
     })?;
-    std::thread::sleep(Duration::from_millis(500));
+    browser.wait_until_it_rests()?;
     let later = browser.screenshot("mustard-later")?;
     // Above the timeline nothing moves but the robot and what it carries; seen from the demo's camera, an arm covers
     // about one pixel in a hundred.
@@ -115,6 +115,19 @@ fn a_demo_plans_and_plays() -> Result<()> {
 }
 
 #[test]
+fn a_page_that_nobody_touches_draws_nothing() -> Result<()> {
+    let browser = browser_with_demo("mustard")?;
+    browser.run("window.endcomfort.pause()", &[])?;
+    browser.wait_until_it_rests()?;
+    let before = browser.status()?["frames"].clone();
+    std::thread::sleep(Duration::from_secs(4));
+    assert_eq!(browser.status()?["frames"], before);
+    browser.run("window.endcomfort.seek(1)", &[])?;
+    browser.wait_for_status("a frame for what was asked", A_WHILE, |status| status["frames"] != before)?;
+    Ok(())
+}
+
+#[test]
 fn in_the_fit_lab_objectives_are_compared_and_a_shape_set_by_hand_changes_the_error_until_it_is_undone() -> Result<()> {
     let browser = browser_with_demo("mustard")?;
     browser.run("window.endcomfort.pause(); window.endcomfort.select_step('fit')", &[])?;
@@ -122,7 +135,7 @@ fn in_the_fit_lab_objectives_are_compared_and_a_shape_set_by_hand_changes_the_er
         browser.wait_for_status("the lab", A_WHILE, |status| status["step"] == "fit" && status["fit"].is_object())?;
     let fitted_m = status["fit"]["radial_m"].as_f64().context("a fit has an error")?;
     let a_m = status["fit"]["superquadric"]["a"].as_f64().context("a fit has semi-axes")?;
-    std::thread::sleep(Duration::from_millis(1500));
+    browser.wait_until_it_rests()?;
     browser.screenshot("lab")?;
 
     browser.run("window.endcomfort.compare_objectives()", &[])?;
@@ -272,8 +285,7 @@ fn a_link_opens_the_same_view_with_the_same_plan_and_the_edit_is_kept_for_the_ne
     })?;
     browser
         .run("window.endcomfort.pause(); window.endcomfort.select_step('rank'); window.endcomfort.seek(3.25)", &[])?;
-    // The camera comes to rest.
-    std::thread::sleep(Duration::from_millis(1500));
+    browser.wait_until_it_rests()?;
     let link = browser.run("return window.endcomfort.link()", &[])?;
     let link = link.as_str().context("a link is text")?;
     println!("{} characters: {link}", link.len());
@@ -306,7 +318,7 @@ fn a_link_opens_the_same_view_with_the_same_plan_and_the_edit_is_kept_for_the_ne
 
     browser.open("?renderer=webgl")?;
     browser.wait_until_it_runs()?;
-    std::thread::sleep(Duration::from_millis(1500));
+    browser.wait_until_it_rests()?;
     browser.screenshot("restore")?;
     Ok(())
 }
@@ -340,7 +352,7 @@ fn the_example_drives_the_page_in_its_frame() -> Result<()> {
         view.dispatchEvent(new PointerEvent('pointerdown', { bubbles: true, clientX: 400, clientY: 200 }))";
     browser.run(click, &[])?;
     assert_eq!(browser.run(turn_wheel, &[])?, true, "after a click it zooms");
-    std::thread::sleep(Duration::from_millis(1000));
+    std::thread::sleep(Duration::from_secs(1));
     browser.screenshot("embed")?;
     let complaints = browser.complaints()?;
     assert!(complaints.is_empty(), "{complaints:#?}");
@@ -366,16 +378,17 @@ fn a_demo_is_found_opened_and_stepped_through_from_the_keyboard_alone() -> Resul
     let browser = Browser::with_webgl()?;
     browser.open("?renderer=webgl")?;
     browser.wait_until_it_runs()?;
-    // The software renderer draws a few pictures a second: whoever types faster than that types into what is not there.
-    let look = || std::thread::sleep(Duration::from_millis(1500));
-    look();
+    // The software renderer draws a picture a second or fewer: whoever types before one types into what is not there.
+    let shows = |overlay: Option<&'static str>| {
+        browser.wait_for_status("the window of a key", A_WHILE, move |status| status["overlay"].as_str() == overlay)
+    };
+    shows(Some("gallery"))?;
     browser.press(&[ESCAPE])?;
-    look();
+    shows(None)?;
     browser.chord(CONTROL, "k")?;
-    look();
+    shows(Some("palette"))?;
     let letters: Vec<String> = "turns a glass".chars().map(String::from).collect();
     browser.press(&letters.iter().map(String::as_str).collect::<Vec<_>>())?;
-    look();
     browser.screenshot("keyboard-palette")?;
     browser.press(&[ENTER])?;
     browser.wait_for_status("the demo chosen by its name", A_WHILE, |status| {
@@ -403,7 +416,7 @@ fn a_demo_is_found_opened_and_stepped_through_from_the_keyboard_alone() -> Resul
 fn one_finger_turns_the_view_and_two_bring_it_nearer() -> Result<()> {
     let browser = browser_with_demo("mustard")?;
     browser.run("window.endcomfort.pause()", &[])?;
-    std::thread::sleep(Duration::from_millis(800));
+    browser.wait_until_it_rests()?;
     let camera = |browser: &Browser| -> Result<[f64; 2]> {
         let camera = browser.status()?["camera"].clone();
         let number = |name: &str| camera[name].as_f64().context("a camera has numbers");
@@ -412,12 +425,12 @@ fn one_finger_turns_the_view_and_two_bring_it_nearer() -> Result<()> {
     // Beside the robot, where nothing can be taken hold of.
     let [yaw, distance] = camera(&browser)?;
     browser.touch(&[([330, 200], [450, 200])])?;
-    std::thread::sleep(Duration::from_millis(800));
+    browser.wait_until_it_rests()?;
     let [turned, same] = camera(&browser)?;
     assert!((turned - yaw).abs() > 0.2, "from {yaw} to {turned} rad");
     assert!((same - distance).abs() < 1e-6, "from {distance} to {same} m");
     browser.touch(&[([420, 300], [340, 300]), ([520, 300], [600, 300])])?;
-    std::thread::sleep(Duration::from_millis(800));
+    browser.wait_until_it_rests()?;
     let [_, nearer] = camera(&browser)?;
     assert!(nearer < 0.8 * distance, "from {distance} to {nearer} m");
     browser.screenshot("two-fingers")?;

@@ -1,7 +1,8 @@
 //! Requests and updates as bytes, for `postMessage`.
 //!
-//! MessagePack with field names: compact for clouds (28 bytes per point), and self-describing, which the internally
-//! tagged enums of a scene file need ([`endcomfort_core::scene::Task`]) and most other binary formats do not offer.
+//! MessagePack with field names: compact for clouds (each list of numbers is one piece of bytes), and self-describing,
+//! which the internally tagged enums of a scene file need ([`endcomfort_core::scene::Task`]) and most other binary
+//! formats do not offer.
 
 use serde::{Serialize, de::DeserializeOwned};
 

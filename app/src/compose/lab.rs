@@ -9,7 +9,7 @@ use endcomfort_core::superquadric::Superquadric;
 use nalgebra::{Isometry3, Point3};
 
 use super::{Composer, FIT_MESH_HALF, Palette};
-use crate::render::{Bounds, ColorMap, Frame, LineDraw, MeshDraw, PointsDraw, Scale, Surface};
+use crate::render::{Bounds, ColorMap, Frame, LineDraw, MeshDraw, PointsDraw, Scale, Surface, bytes_of};
 use crate::viewer::{FitView, Legend, LegendRow, Mark, Pick};
 
 /// Every so many lines of the mesh one is drawn.
@@ -170,8 +170,8 @@ fn add_points(frame: &mut Frame, lab: &LabContent<'_>, palette: &Palette) {
     let left_out: BTreeSet<[u64; 3]> = lab.fit.rejected.iter().map(|point| key(&point.p_F)).collect();
     let scale = lab.scale();
     let faint = if lab.points_out_rejected { 0.25 } else { 1.0 };
-    let shown = |color: [f32; 4]| [color[0], color[1], color[2], color[3] * faint];
-    let mut add = |points: Vec<Point3<f64>>, colors: Vec<[f32; 4]>, diameter_m: f64| {
+    let shown = |color: [f32; 4]| bytes_of([color[0], color[1], color[2], color[3] * faint]);
+    let mut add = |points: Vec<Point3<f64>>, colors: Vec<[u8; 4]>, diameter_m: f64| {
         if !points.is_empty() {
             let (points, colors) = (Arc::new(points), Arc::new(colors));
             frame.points.push(PointsDraw { points, colors, diameter_m: diameter_m as f32 });
@@ -186,7 +186,7 @@ fn add_points(frame: &mut Frame, lab: &LabContent<'_>, palette: &Palette) {
             // Among errors a red of their own would read as “inside”: there they are told by their size.
             let color = if lab.view == FitView::Error { scale.color(distance_mm) } else { [red, green, blue, 1.0] };
             rejected.push(*p_W);
-            rejected_colors.push(color);
+            rejected_colors.push(bytes_of(color));
             continue;
         }
         let color = if lab.view == FitView::Error { scale.color(distance_mm) } else { palette.cloud };

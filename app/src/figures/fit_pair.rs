@@ -8,7 +8,9 @@ use image::{RgbaImage, imageops};
 use nalgebra::{Isometry3, Point3};
 
 use crate::compose::Palette;
-use crate::render::{Bounds, Camera, Frame, MeshDraw, Offscreen, OffscreenError, PointsDraw, Surface, Theme, View};
+use crate::render::{
+    Bounds, Camera, Frame, MeshDraw, Offscreen, OffscreenError, PointsDraw, Surface, Theme, View, bytes_of,
+};
 
 /// Size of one of the two pictures, pixels.
 const TILE_PX: [u32; 2] = [480, 400];
@@ -42,7 +44,7 @@ pub fn draw_fits(
     for (column, fit) in (0..).zip(fits) {
         let mut frame = Frame::default();
         for (points, color) in [(&surface, palette.goal), (&seen, palette.cloud)] {
-            let colors = Arc::new(vec![color]);
+            let colors = Arc::new(vec![bytes_of(color)]);
             frame.points.push(PointsDraw { points: points.clone(), colors, diameter_m: POINT_M });
         }
         if let Some(fit) = fit {

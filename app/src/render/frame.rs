@@ -55,8 +55,8 @@ pub enum Surface {
 pub struct PointsDraw {
     /// Points in the world; uploaded once per `Arc`.
     pub points: Arc<Vec<Point3<f64>>>,
-    /// sRGB and opacity of each point, or a single colour for all.
-    pub colors: Arc<Vec<[f32; 4]>>,
+    /// sRGB and opacity of each point, or a single colour for all, 0 to 255.
+    pub colors: Arc<Vec<[u8; 4]>>,
     /// Diameter in metres (drawn at least 1.5 pixels wide).
     pub diameter_m: f32,
 }
@@ -72,6 +72,11 @@ pub struct LineDraw {
     pub width_px: f32,
     /// Length of a dash and of the gap after it, in logical pixels; `None` for a solid line.
     pub dash_px: Option<f32>,
+}
+
+/// A colour of channels in [0, 1] as the bytes of a point's.
+pub fn bytes_of(color: [f32; 4]) -> [u8; 4] {
+    color.map(|channel| (channel.max(0.0).min(1.0) * 255.0).round() as u8)
 }
 
 impl LineDraw {

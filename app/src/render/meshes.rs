@@ -75,16 +75,18 @@ impl Uploaded {
     /// `None` if the mesh has no triangle.
     fn new(device: &wgpu::Device, mesh: &Arc<Mesh>) -> Option<Self> {
         let count = mesh.positions.len() as u32;
-        let triangles: Vec<[u32; 3]> =
-            mesh.triangles.iter().copied().filter(|triangle| triangle.iter().all(|&i| i < count)).collect();
+        let is_whole = |&[a, b, c]: &[u32; 3]| a < count && b < count && c < count;
+        let mut triangles = mesh.triangles.clone();
+        triangles.retain(is_whole);
         let computed = (mesh.normals.len() != mesh.positions.len()).then(|| vertex_normals(mesh, &triangles));
         let normals = computed.as_ref().unwrap_or(&mesh.normals);
-        let vertices: Vec<Vertex> = mesh
-            .positions
-            .iter()
-            .zip(normals)
-            .map(|(p, n)| Vertex { position: p.map(|v| v as f32).into(), normal: n.map(|v| v as f32).into() })
-            .collect();
+        // A plain loop: see `Uploaded::new` of the points.
+        let mut vertices = vec![Vertex::zeroed(); mesh.positions.len()];
+        for index in 0..vertices.len() {
+            let [[x, y, z], [nx, ny, nz]] = [mesh.positions[index].coords.data.0[0], normals[index].data.0[0]];
+            vertices[index] =
+                Vertex { position: [x as f32, y as f32, z as f32], normal: [nx as f32, ny as f32, nz as f32] };
+        }
         let upload = |usage, bytes| fixed_buffer(device, "mesh", usage, bytes);
         (!triangles.is_empty()).then(|| Self {
             mesh: Arc::downgrade(mesh),

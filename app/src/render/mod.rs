@@ -39,7 +39,7 @@ pub use bounds::{Bounds, BoundsCache};
 pub use camera::{Camera, Named, Projection, Ray};
 pub use colormap::{ColorMap, Scale};
 pub use cut::Cut;
-pub use frame::{Frame, LineDraw, MeshDraw, PointsDraw, Surface};
+pub use frame::{Frame, LineDraw, MeshDraw, PointsDraw, Surface, bytes_of};
 #[cfg(not(target_arch = "wasm32"))]
 pub use offscreen::{Offscreen, OffscreenError};
 pub use pick::{Hit, Picker, pick};

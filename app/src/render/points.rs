@@ -25,7 +25,7 @@ const BLOCK: u64 = 256;
 /// Points in a row of a texture, and most rows: the largest texture that every WebGL2 device has.
 const ROW: u32 = 2048;
 /// Colour of points whose colour is missing.
-const NO_COLOR: [f32; 4] = [0.5, 0.5, 0.5, 1.0];
+const NO_COLOR: [u8; 4] = [128, 128, 128, 255];
 
 /// One point relative to its cloud's centre. Here `f32` begins.
 #[repr(C)]
@@ -47,7 +47,7 @@ struct Block {
 /// A cloud on the GPU.
 struct Uploaded {
     points: Weak<Vec<Point3<f64>>>,
-    colors: Weak<Vec<[f32; 4]>>,
+    colors: Weak<Vec<[u8; 4]>>,
     center: Point3<f64>,
     /// Textures of at most [`ROW`] rows, and how many points each holds.
     splats: Vec<(wgpu::BindGroup, u32)>,
@@ -57,48 +57,68 @@ struct Uploaded {
 impl Uploaded {
     /// Points that are not finite are left out; colours that are missing repeat the last one.
     fn new(gpu: (&wgpu::Device, &wgpu::Queue), layout: &wgpu::BindGroupLayout, draw: &PointsDraw) -> Option<Self> {
-        let is_finite = |p: &Point3<f64>| p.coords.iter().all(|c| c.is_finite());
-        let (mut least, mut most) = (Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3]));
-        for point in draw.points.iter().filter(|p| is_finite(p)) {
-            (least, most) = (least.inf(point), most.sup(point));
+        let (points, colors) = (draw.points.as_slice(), draw.colors.as_slice());
+        let center = center(points);
+        let last_color = colors.last().copied().unwrap_or(NO_COLOR);
+        // Plain loops here and below: the page is compiled for size, and its chains of adapters take ten times as long.
+        let mut splats = vec![Splat::zeroed(); points.len()];
+        let (mut count, mut least_alpha) = (0, u8::MAX);
+        for index in 0..points.len() {
+            let [x, y, z] = xyz(&points[index]);
+            if x.is_finite() && y.is_finite() && z.is_finite() {
+                let srgb = if index < colors.len() { colors[index] } else { last_color };
+                let position = [(x - center.x) as f32, (y - center.y) as f32, (z - center.z) as f32];
+                splats[count] = Splat { position, srgb };
+                count += 1;
+                least_alpha = least_alpha.min(srgb[3]);
+            }
         }
-        let center = nalgebra::center(&least, &most);
-        let last_color = draw.colors.last().copied().unwrap_or(NO_COLOR);
-        let mut opaque = true;
-        let splats: Vec<Splat> = draw
-            .points
-            .iter()
-            .enumerate()
-            .filter(|(_, point)| is_finite(point))
-            .map(|(idx, point)| {
-                let color = draw.colors.get(idx).copied().unwrap_or(last_color);
-                let srgb = color.map(|c| (c.max(0.0).min(1.0) * 255.0).round() as u8);
-                opaque &= srgb[3] == 255;
-                Splat { position: (point - center).map(|v| v as f32).into(), srgb }
-            })
-            .collect();
-        (!splats.is_empty()).then(|| Self {
+        splats.truncate(count);
+        let mut textures = Vec::new();
+        while !splats.is_empty() {
+            let rest = splats.split_off(splats.len().min((ROW * ROW) as usize));
+            let count = splats.len() as u32;
+            textures.push((texture(gpu, layout, splats), count));
+            splats = rest;
+        }
+        (count > 0).then(|| Self {
             points: Arc::downgrade(&draw.points),
             colors: Arc::downgrade(&draw.colors),
             center,
-            splats: splats
-                .chunks((ROW * ROW) as usize)
-                .map(|some| (texture(gpu, layout, some), some.len() as u32))
-                .collect(),
-            opaque,
+            splats: textures,
+            opaque: least_alpha == u8::MAX,
         })
     }
+}
+
+/// Coordinates without a call per access.
+fn xyz(point: &Point3<f64>) -> [f64; 3] {
+    point.coords.data.0[0]
+}
+
+/// Centre of the box around the finite points.
+fn center(points: &[Point3<f64>]) -> Point3<f64> {
+    let (mut least, mut most) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for point in points {
+        let p = xyz(point);
+        if p[0].is_finite() && p[1].is_finite() && p[2].is_finite() {
+            for axis in 0..3 {
+                least[axis] = least[axis].min(p[axis]);
+                most[axis] = most[axis].max(p[axis]);
+            }
+        }
+    }
+    nalgebra::center(&least.into(), &most.into())
 }
 
 /// Points row by row in a texture of four integers per texel.
 fn texture(
     (device, queue): (&wgpu::Device, &wgpu::Queue),
     layout: &wgpu::BindGroupLayout,
-    splats: &[Splat],
+    mut splats: Vec<Splat>,
 ) -> wgpu::BindGroup {
     let rows = (splats.len() as u32).div_ceil(ROW);
-    let mut texels = splats.to_vec();
-    texels.resize((rows * ROW) as usize, Splat::zeroed());
+    splats.resize((rows * ROW) as usize, Splat::zeroed());
     let texture = device.create_texture_with_data(
         queue,
         &wgpu::TextureDescriptor {
@@ -112,7 +132,7 @@ fn texture(
             view_formats: &[],
         },
         wgpu::util::TextureDataOrder::LayerMajor,
-        bytemuck::cast_slice(&texels),
+        bytemuck::cast_slice(&splats),
     );
     bind_textures(device, layout, &[&texture.create_view(&wgpu::TextureViewDescriptor::default())])
 }

@@ -179,7 +179,8 @@ fn points_and_lines_have_the_size_they_are_given() {
     let view = View { pixels_per_point: 2.0, transparent: true, ..top_view([200, 200], Theme::Dark) };
     let at = |x: f64, y: f64| Point3::new(0.6 + x, y, 0.7);
     // 100 px per metre: a disc of 0.4 m has 1257 px, a line of 1 m and 5 logical pixels has 1000 px and two round ends.
-    let cloud = PointsDraw { points: Arc::new(vec![at(0.5, 0.0)]), colors: Arc::new(vec![RED]), diameter_m: 0.4 };
+    let cloud =
+        PointsDraw { points: Arc::new(vec![at(0.5, 0.0)]), colors: Arc::new(vec![bytes_of(RED)]), diameter_m: 0.4 };
     let line = LineDraw::new(vec![at(-0.5, -0.5), at(-0.5, 0.0), at(-0.5, 0.5)], [0.0, 1.0, 0.0, 1.0], 5.0);
     let dashed = LineDraw::new(vec![at(-0.8, -0.5), at(-0.8, 0.5)], [0.0, 0.0, 1.0, 1.0], 2.0).dashed(5.0);
     let frame = Frame { points: vec![cloud], lines: vec![line, dashed], ..Frame::default() };

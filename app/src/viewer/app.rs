@@ -44,6 +44,8 @@ pub struct App {
     pub(super) autosave: Autosave,
     /// Sizes of the panels as they were written last.
     pub(super) kept_sizes: PanelSizes,
+    /// Frames drawn since the start.
+    frames: u64,
 }
 
 /// Files that are still being read when they are dropped (the browser reads them in its own time).
@@ -78,6 +80,7 @@ impl App {
             pictures: Pictures::default(),
             autosave: Autosave::default(),
             kept_sizes: PanelSizes::default(),
+            frames: 0,
         };
         let ctx = &cc.egui_ctx;
         app.apply(ctx, Command::SetTheme(start.theme));
@@ -115,6 +118,7 @@ impl App {
         if let Some(fields) = status.as_object_mut() {
             fields.insert("backend".to_owned(), self.host.backend().into());
             fields.insert("camera".to_owned(), camera);
+            fields.insert("frames".to_owned(), self.frames.into());
         }
         status.to_string()
     }
@@ -301,6 +305,7 @@ impl eframe::App for App {
     }
 
     fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+        self.frames += 1;
         let mut commands = self.view.show(ui, &self.state, &mut *self.studio);
         commands.extend(draw_panels(ui, &self.state));
         let ctx = ui.ctx().clone();

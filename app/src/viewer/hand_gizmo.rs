@@ -229,18 +229,18 @@ impl HandGizmo {
     /// Draws it over the picture.
     pub(super) fn paint(&self, ui: &Ui, shot: Shot<'_>, state: &ViewerState) {
         let lit = self.held.as_ref().map(|held| (held.arm, held.handle)).or(self.hovered);
-        for hand in state.led_hands() {
-            if let Some(placed) = placed(shot, &hand, state) {
-                let lit = lit.filter(|(arm, _)| *arm == hand.arm).map(|(_, handle)| handle);
-                paint_one(ui, &hand, &placed, lit);
-            }
+        let hands = state.led_hands();
+        let placed: Vec<_> = hands.iter().filter_map(|hand| Some((hand, placed(shot, hand, state)?))).collect();
+        let lit_of = |hand: &LedHand| lit.filter(|(arm, _)| *arm == hand.arm).map(|(_, handle)| handle);
+        for (hand, placed) in &placed {
+            paint_one(ui, hand, placed, lit_of(hand));
         }
-        if let Some((arm, handle)) = lit {
+        if lit.is_some() {
             ui.ctx().set_cursor_icon(if self.held.is_some() { CursorIcon::Grabbing } else { CursorIcon::Grab });
-            let hands = state.led_hands();
-            if let Some((hand, placed)) =
-                hands.iter().find(|hand| hand.arm == arm).and_then(|hand| Some((hand, placed(shot, hand, state)?)))
-            {
+        }
+        // Over the gizmos of both hands.
+        for (hand, placed) in &placed {
+            if let Some(handle) = lit_of(hand) {
                 tell(ui, placed.dot - vec2(0.0, ARROW[1] as f32 + 16.0), &said(hand, handle));
             }
         }

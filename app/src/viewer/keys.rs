@@ -3,11 +3,17 @@
 use egui::{Context, Event, Key, Modifiers};
 
 use super::actions::{self, Shortcut};
-use super::{Command, ViewerState};
+use super::panels::palette;
+use super::{Command, Overlay, ViewerState};
 
 /// The commands of the keys that were pressed, unless a field has the keyboard.
 pub(super) fn commands(ctx: &Context, state: &ViewerState) -> Vec<Command> {
-    let has_focus = ctx.egui_wants_keyboard_input();
+    let is_searching = state.overlay == Overlay::Palette;
+    if !is_searching && let Some(words) = ctx.input_mut(typed_ahead) {
+        palette::start_with(ctx, words);
+    }
+    // The palette's field takes the keyboard when it is drawn; until then the keys are not for the page either.
+    let has_focus = is_searching || ctx.egui_wants_keyboard_input();
     let is_taken = ctx.text_edit_focused() || egui::Popup::is_any_open(ctx);
     let mut commands = Vec::new();
     for action in actions::with_keys(state) {
@@ -27,6 +33,25 @@ pub(super) fn commands(ctx: &Context, state: &ViewerState) -> Vec<Command> {
         commands.push(Command::Redo);
     }
     commands
+}
+
+/// What was typed behind the chord of the palette within one frame, `None` without the chord. It is meant for the field
+/// that the next frame will show, and where frames are long it can be a whole word.
+fn typed_ahead(input: &mut egui::InputState) -> Option<String> {
+    let opens =
+        |event: &Event| matches!(event, Event::Key { key: Key::K, pressed: true, modifiers, .. } if modifiers.command);
+    let chord = input.events.iter().position(opens)?;
+    let mut words = String::new();
+    let behind = input.events.split_off(chord + 1);
+    input.events.extend(behind.into_iter().filter(|event| match event {
+        Event::Text(text) => {
+            words.push_str(text);
+            false
+        }
+        Event::Key { pressed, .. } => !pressed,
+        _ => true,
+    }));
+    Some(words)
 }
 
 /// A chord counts once, the longer one first: consuming Ctrl+Z also matches Ctrl+Shift+Z. A single key counts if nothing

@@ -42,8 +42,6 @@ pub enum PoseCommand {
     Jog(Jog),
     /// Moves a degree of freedom while its slider is held, radians or metres.
     DragJoint(usize, f64),
-    /// Sets a degree of freedom.
-    SetJoint(usize, f64),
     /// Opens the hand of the chosen arm to this share, [0, 1], while its slider is held.
     DragFingers(f64),
     /// Starts from this posture of the robot, as it is.
@@ -219,10 +217,6 @@ impl ViewerState {
             PoseCommand::DragJoint(dof, value) => {
                 self.forget_target_of(dof);
                 return self.set_joints(&[(dof, value)], true);
-            }
-            PoseCommand::SetJoint(dof, value) => {
-                self.forget_target_of(dof);
-                return self.set_joints(&[(dof, value)], false);
             }
             PoseCommand::DragFingers(share) => return self.move_fingers(share),
             PoseCommand::Posture(name) => {

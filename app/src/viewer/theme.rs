@@ -169,7 +169,11 @@ fn fonts() -> FontDefinitions {
     let inter = Arc::new(with_tabular_figures(include_bytes!(concat!(env!("OUT_DIR"), "/inter.ttf"))));
     let face = |weight: f32| {
         let coords = VariationCoords::new([(b"wght", weight)]);
-        Arc::new(FontData::from_blob(inter.clone(), 0).tweak(FontTweak { coords, ..FontTweak::default() }))
+        Arc::new(FontData::from_blob(inter.clone(), 0).tweak(FontTweak {
+            coords,
+            hinting: Some(false),
+            ..FontTweak::default()
+        }))
     };
     let mut fonts = FontDefinitions::empty();
     fonts.font_data.insert("inter".to_owned(), face(400.0));

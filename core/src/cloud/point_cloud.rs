@@ -10,8 +10,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct PointCloud {
     /// Finite points in F, metres.
+    #[serde(with = "crate::bulk")]
     pub points: Vec<Point3<f64>>,
     /// One sRGB colour per point, or empty.
+    #[serde(with = "crate::bulk")]
     pub colors: Vec<[u8; 3]>,
     /// Where each point stands in the sensor's image, when the cloud is organised.
     pub grid: Option<PixelGrid>,
@@ -27,6 +29,7 @@ pub struct PixelGrid {
     /// Rows.
     pub height: u32,
     /// Row-major pixel index of each point, ascending.
+    #[serde(with = "crate::bulk")]
     pub pixels: Vec<u32>,
 }
 

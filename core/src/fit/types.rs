@@ -136,6 +136,7 @@ pub struct Fit {
     /// Points after thinning, mirrored ones included.
     pub used_points: usize,
     /// Points that mirroring added, in F.
+    #[serde(with = "crate::bulk")]
     pub mirrored: Vec<Point3<f64>>,
     /// What became of mirroring, for a person.
     pub mirror_note: String,

@@ -92,14 +92,14 @@ pub(super) fn refusal(error: &dyn std::error::Error) -> Refusal {
 }
 
 /// The bodies of a fit in its object frame O: the axes of its main superquadric.
-pub(super) fn bodies_in_object(fit: &Fit) -> Vec<Superquadric> {
+fn bodies_in_object(fit: &Fit) -> Vec<Superquadric> {
     let X_OW = fit.superquadric.X_FS.inverse();
     let main = Superquadric { X_FS: Isometry3::identity(), ..fit.superquadric };
     std::iter::once(main).chain(fit.others.iter().map(|part| part.superquadric.transformed(&X_OW))).collect()
 }
 
 /// Corners of the convex pieces of a body, in the frame that it stands in.
-pub(super) fn pieces(body: &Superquadric) -> Vec<Vec<Point3<f64>>> {
+fn pieces(body: &Superquadric) -> Vec<Vec<Point3<f64>>> {
     let mut pieces = body.convex_pieces_in_axes(HULL_HALF);
     pieces.iter_mut().flatten().for_each(|p| *p = body.X_FS * *p);
     pieces
@@ -112,21 +112,12 @@ pub(super) fn obstacles(
     clusters: &[Vec<Point3<f64>>],
     is_dropped: bool,
 ) -> Result<World, WorkcellError> {
-    let mut world = World::new();
-    world.add_table(&scene.table)?;
-    if !is_dropped {
-        for obstacle in &scene.obstacles {
-            world.add_obstacle(obstacle)?;
-        }
-    }
+    let mut world = furniture(scene, is_dropped)?;
     for (index, fit) in fits.fits.iter().enumerate().filter(|(index, _)| *index != fits.target) {
         match fit {
             Ok(fit) => {
-                let X_WO = &fit.superquadric.X_FS;
-                let name = neighbour_name(scene, X_WO, index, is_dropped);
-                for piece_O in bodies_in_object(fit).iter().flat_map(pieces) {
-                    world.add_points(&name, &piece_O, X_WO)?;
-                }
+                let name = neighbour_name(scene, &fit.superquadric.X_FS, index, is_dropped);
+                add_fit(&mut world, &name, fit)?;
             }
             // Its hull would close what is hollow or between two things; its cells do not.
             Err(_) => {
@@ -135,6 +126,26 @@ pub(super) fn obstacles(
         }
     }
     Ok(world)
+}
+
+/// The table, and the known boxes unless the cloud was dropped.
+pub(super) fn furniture(scene: &Scene, is_dropped: bool) -> Result<World, WorkcellError> {
+    let mut world = World::new();
+    world.add_table(&scene.table)?;
+    if !is_dropped {
+        for obstacle in &scene.obstacles {
+            world.add_obstacle(obstacle)?;
+        }
+    }
+    Ok(world)
+}
+
+/// Adds the bodies of a fit where it stands.
+pub(super) fn add_fit(world: &mut World, name: &str, fit: &Fit) -> Result<(), WorkcellError> {
+    for piece_O in bodies_in_object(fit).iter().flat_map(pieces) {
+        world.add_points(name, &piece_O, &fit.superquadric.X_FS)?;
+    }
+    Ok(())
 }
 
 /// The described object that stands there, or the number of the cluster.

@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 
 use super::handover::add_surroundings;
-use super::rank::{bodies_in_object, obstacles, pieces, refusal};
+use super::rank::{add_fit, furniture, obstacles, refusal};
 use crate::collision::{Checker, Clearance, CollisionModel, Hit, Scratch, World};
 use crate::job::{FitOutput, Refusal};
 use crate::robot::Robot;
@@ -63,19 +63,10 @@ impl Surroundings {
 }
 
 fn world(scene: &Scene, seen: Option<Seen<'_>>) -> Result<World, WorkcellError> {
-    let Some(Seen { fits, clusters, is_dropped }) = seen else {
-        let mut world = World::new();
-        world.add_table(&scene.table)?;
-        for obstacle in &scene.obstacles {
-            world.add_obstacle(obstacle)?;
-        }
-        return Ok(world);
-    };
+    let Some(Seen { fits, clusters, is_dropped }) = seen else { return furniture(scene, false) };
     let mut world = obstacles(scene, fits, clusters, is_dropped)?;
     if let Some(Ok(target)) = fits.fits.get(fits.target) {
-        for piece_O in bodies_in_object(target).iter().flat_map(pieces) {
-            world.add_points(TARGET, &piece_O, &target.superquadric.X_FS)?;
-        }
+        add_fit(&mut world, TARGET, target)?;
     }
     Ok(world)
 }

@@ -13,20 +13,37 @@ impl Superquadric {
     /// each rounded edge, so that boxes and cylinders keep their silhouettes. Vertices are shared, normals exact.
     pub fn mesh_in_axes(&self, half: u32) -> Mesh {
         let half = half.max(2) as usize;
-        let section = QuarterArc::new(self.a, self.b, self.e2);
-        let columns = unfold(&section.silhouette_steps(half));
-        let quarter = QuarterArc::new((self.a * self.b).sqrt(), self.c, self.e1).silhouette_steps(half);
-        // Rings from north to south without the poles, which are (0, ±1) of the profile.
-        let inner = &quarter[..quarter.len() - 1];
-        let rings: Vec<[f64; 2]> =
-            inner.iter().skip(1).rev().copied().chain(inner.iter().map(|[r, h]| [*r, -h])).collect();
-
+        let quarter = QuarterArc::new(self.a, self.b, self.e2).silhouette_steps(half);
+        let columns = unfold(&quarter);
+        let profile = QuarterArc::new((self.a * self.b).sqrt(), self.c, self.e1).silhouette_steps(half);
+        // Rings from the equator to the north without the pole, which is (0, 1) of the profile.
+        let north = &profile[..profile.len() - 1];
+        let base = |[ring, height]: [f64; 2], [u, v]: [f64; 2]| {
+            Point3::new(self.a * ring * u, self.b * ring * v, self.c * height)
+        };
         let mut mesh = Mesh::default();
-        self.push(&mut mesh, Point3::new(0.0, 0.0, self.c));
-        self.push(&mut mesh, Point3::new(0.0, 0.0, -self.c));
-        for [ring, height] in &rings {
-            for [u, v] in &columns {
-                self.push(&mut mesh, Point3::new(self.a * ring * u, self.b * ring * v, self.c * height));
+        for z in [self.c, -self.c] {
+            let pole = Point3::new(0.0, 0.0, z);
+            self.push(&mut mesh, pole, &self.base_gauge(&pole).gradient());
+        }
+        // The base shape is its own mirror image in all three planes: an eighth of its gradients is computed.
+        let last = quarter.len() - 1;
+        let gradients: Vec<Vec<Vector3<f64>>> = (north.iter())
+            .map(|ring| quarter.iter().map(|column| self.base_gauge(&base(*ring, *column)).gradient()).collect())
+            .collect();
+        let rings: Vec<(usize, f64)> =
+            (1..north.len()).rev().map(|ring| (ring, 1.0)).chain((0..north.len()).map(|ring| (ring, -1.0))).collect();
+        for (ring, side) in &rings {
+            let [radius, height] = north[*ring];
+            for (index, column) in columns.iter().enumerate() {
+                let within = index % (2 * last);
+                let gradient = gradients[*ring][within.min(2 * last - within)];
+                let mirrored = Vector3::new(
+                    gradient.x.abs().copysign(column[0]),
+                    gradient.y.abs().copysign(column[1]),
+                    gradient.z * side,
+                );
+                self.push(&mut mesh, base([radius, side * height], *column), &mirrored);
             }
         }
         let width = columns.len();
@@ -51,10 +68,12 @@ impl Superquadric {
         self.mesh_in_axes(half).transformed(X_FS)
     }
 
-    fn push(&self, mesh: &mut Mesh, p_0: Point3<f64>) {
+    /// Adds a point of the base shape with the gradient of its gauge there, deformed as the shape is.
+    fn push(&self, mesh: &mut Mesh, p_0: Point3<f64>, gradient: &Vector3<f64>) {
         mesh.positions.push(self.from_base(&p_0));
-        let n_S = self.gradient_from_base(&p_0, &self.base_gauge(&p_0).gradient());
-        mesh.normals.push(n_S.try_normalize(0.0).unwrap_or_else(Vector3::z));
+        let n_S = self.gradient_from_base(&p_0, gradient);
+        let norm = n_S.norm_squared().sqrt();
+        mesh.normals.push(if norm > 0.0 { n_S / norm } else { Vector3::z() });
     }
 }
 
@@ -80,6 +99,10 @@ mod tests {
         for (e1, e2) in [(0.1, 0.1), (0.1, 1.0), (1.0, 1.0), (0.3, 1.9), (1.9, 1.9), (1.9, 0.1)] {
             let at = Isometry3::translation(0.3, -0.2, 0.5);
             let plain = Superquadric::new(0.03, 0.06, 0.12, e1, e2, at).unwrap();
+            let own = plain.mesh_in_axes(8);
+            for (p, n) in own.positions.iter().zip(&own.normals) {
+                assert!((plain.ln_gradient(p).normalize() - n).norm() < 1e-9, "{n} at {p} of {plain:?}");
+            }
             for s in [plain, plain.deformed(0.7, 0.0).unwrap(), plain.deformed(-0.3, 7.0).unwrap()] {
                 let mesh = s.mesh(8);
                 let mut edges: BTreeMap<(u32, u32), i32> = BTreeMap::new();

@@ -29,6 +29,8 @@ const QUIET: [&str; 9] = [
 static TURN: Mutex<()> = Mutex::new(());
 /// How often a picture is asked for.
 const SCREENSHOT_ATTEMPTS: usize = 6;
+/// Time without a frame after which the page is at rest.
+const REST: Duration = Duration::from_millis(700);
 
 /// The address of the site under test, with a closing slash.
 ///
@@ -219,6 +221,26 @@ impl Browser {
                 bail!("waited {patience:?} for {what}; the status is {status:#}\n{}", self.console()?.join("\n"));
             }
             std::thread::sleep(Duration::from_millis(100));
+        }
+    }
+
+    /// Waits until no frame is drawn any more: what was asked for is on the screen.
+    ///
+    /// # Errors
+    /// When frames are still drawn after a minute.
+    pub fn wait_until_it_rests(&self) -> Result<()> {
+        let start = now();
+        let mut drawn = Value::Null;
+        loop {
+            let frames = self.status()?["frames"].clone();
+            if frames == drawn {
+                return Ok(());
+            }
+            if start.elapsed() > Duration::from_secs(60) {
+                bail!("frame {frames} is drawn although nothing happens; the status is {:#}", self.status()?);
+            }
+            drawn = frames;
+            std::thread::sleep(REST);
         }
     }
 

@@ -29,7 +29,8 @@ impl Marks {
             let places: Vec<[f32; 3]> = cloud.points.iter().map(|p| p.coords.map(|x| x as f32).into()).collect();
             // One colour for each point, or one for all.
             let last = cloud.colors.len() - 1;
-            let colors: Vec<[f32; 4]> = (0..places.len()).map(|k| shade(cloud.colors[k.min(last)])).collect();
+            let colors: Vec<[f32; 4]> =
+                (0..places.len()).map(|k| shade(cloud.colors[k.min(last)].map(|c| f32::from(c) / 255.0))).collect();
             let (places, colors) = (file.floats(&places, true)?, file.floats(&colors, false)?);
             let material = first_material + marks.material([1.0; 4]);
             marks.meshes.push(json!({ "primitives": [{

@@ -13,7 +13,7 @@ mod inspector;
 mod joints;
 mod layer_list;
 mod own_robot;
-mod palette;
+pub(super) mod palette;
 mod picture;
 mod plan;
 mod play;

@@ -1,6 +1,6 @@
 //! The palette: everything that can be done, found by some of the letters of its name.
 
-use egui::{Align, Id, Key, Modal, Modifiers, Rect, Role, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Align, Context, Id, Key, Modal, Modifiers, Rect, Role, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::Out;
 use crate::viewer::actions::{self, Action};
@@ -21,9 +21,18 @@ struct Asked {
     row: usize,
 }
 
+/// The palette that opens next has these words in its field already.
+pub(in crate::viewer) fn start_with(ctx: &Context, words: String) {
+    ctx.data_mut(|data| data.insert_temp(asked_id(), Asked { words, row: 0 }));
+}
+
+fn asked_id() -> Id {
+    Id::unique("Palette")
+}
+
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     let tokens = Tokens::of(ui);
-    let id = Id::unique("Palette");
+    let id = asked_id();
     let mut asked: Asked = ui.data(|data| data.get_temp(id)).unwrap_or_default();
     let frame = overlay_frame(tokens, 12);
     let window = ui.max_rect();

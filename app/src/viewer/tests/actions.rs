@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use egui::{Key, Modifiers, Theme};
+use egui::{Event, Key, Modifiers, Theme};
 use egui_kittest::kittest::Queryable as _;
 
 use super::{invented, page};
@@ -60,6 +60,25 @@ fn the_palette_finds_by_letters_and_does_what_was_chosen_with_the_keyboard_alone
     harness.key_press(Key::Space);
     harness.run_steps(1);
     assert!(harness.state().state.playback.playing);
+}
+
+#[test]
+fn what_is_typed_behind_the_palettes_chord_within_one_frame_is_for_its_field() {
+    let mut harness = page(invented::planned(), SIZE, Theme::Dark);
+    harness.run_steps(1);
+    let press = |key, modifiers| Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers };
+    // "top": T alone is the tour, O and P are commands as well.
+    harness.input_mut().events.extend([press(Key::K, Modifiers::COMMAND), press(Key::T, Modifiers::NONE)]);
+    harness.input_mut().events.push(Event::Text("to the t".to_owned()));
+    harness.step();
+    assert_eq!(harness.state().state.overlay, Overlay::Palette);
+    // Before the field was ever drawn.
+    harness.input_mut().events.extend([press(Key::T, Modifiers::NONE), Event::Text("op".to_owned())]);
+    harness.step();
+    harness.run_steps(1);
+    assert!(harness.state().state.tour.is_none());
+    assert_eq!(harness.state().state.overlay, Overlay::Palette);
+    assert!(harness.query_all_by_value("to the top").count() >= 1);
 }
 
 #[test]

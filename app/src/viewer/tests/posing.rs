@@ -109,7 +109,8 @@ fn buttons_move_along_the_world_or_the_hand_and_joints_stop_at_their_limits() {
     let robot = assets::library().robot_of(bench.page.state.scene()).expect("the robot is there");
     let dof = robot.arms[0].dofs[3];
     let limit = robot.joints[robot.dof_joints[dof]].limit;
-    bench.apply(Command::Pose(PoseCommand::SetJoint(dof, 99.0)));
+    bench.apply(Command::Pose(PoseCommand::DragJoint(dof, 99.0)));
+    bench.apply(Command::Pose(PoseCommand::EndDrag));
     let q = bench.page.state.scene().q_start(&robot).expect("it can stand like that");
     assert_eq!(q[dof], limit.upper);
     let link = &robot.links[robot.joints[robot.dof_joints[dof]].child].name;
