@@ -48,7 +48,6 @@ impl Studio for BuiltInStudio {
             name: name.into(),
             title: title.into(),
             posture: "table_ready".into(),
-            has_torso: assets::library().robot(name).is_ok_and(|robot| has_torso(&robot)),
         };
         vec![choice("crichton", "Crichton"), choice("alita", "Alita")]
     }
@@ -464,20 +463,6 @@ fn route_labels(content: &Content<'_>) -> Vec<Label> {
         Some(Label { p_W: place(index, &route.points_W)?, text: format!("route {}", index + 1), tone })
     };
     plan.routes.iter().enumerate().filter_map(label).collect()
-}
-
-/// Whether a joint between the robot's base and its first arm can move.
-fn has_torso(robot: &Robot) -> bool {
-    let mut link = robot.arms.first().map_or(0, |arm| arm.base_link);
-    while link > 0 {
-        // Joint i moves link i + 1.
-        let joint = &robot.joints[link - 1];
-        if joint.dof.is_some() {
-            return true;
-        }
-        link = joint.parent;
-    }
-    false
 }
 
 fn top_of(fit: &endcomfort_core::fit::Fit, X_WS: &Isometry3<f64>) -> Point3<f64> {

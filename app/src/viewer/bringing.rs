@@ -310,7 +310,7 @@ impl ViewerState {
             let samples = ForwardSettings::default().samples;
             self.reaching.wanted.method = MapMethod::Forward { samples };
         }
-        self.robots.push(RobotChoice { name: name.to_owned(), title, posture: READY.into(), has_torso: false });
+        self.robots.push(RobotChoice { name: name.to_owned(), title, posture: READY.into() });
     }
 
     /// Whether the robot that acts has this arm.

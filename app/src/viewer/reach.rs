@@ -249,8 +249,7 @@ impl ViewerState {
 
     /// Whether a joint before the arm can turn with it.
     pub fn has_torso(&self) -> bool {
-        let name = &self.document.scene.robot;
-        self.robots.iter().any(|robot| robot.name == *name && robot.has_torso)
+        assets::library().robot_of(&self.document.scene).is_ok_and(|robot| has_torso(&robot))
     }
 
     /// Where the base of an arm's map stands while the robot is in the scene's start posture.
@@ -520,4 +519,18 @@ impl ViewerState {
         let alone = Scene { handover: None, ..(*self.document.scene).clone() };
         assets::library().robot_of(&alone).map_err(|error| error.to_string())
     }
+}
+
+/// Whether a joint between the robot's base and its first arm can move.
+fn has_torso(robot: &Robot) -> bool {
+    let mut link = robot.arms.first().map_or(0, |arm| arm.base_link);
+    while link > 0 {
+        // Joint i moves link i + 1.
+        let joint = &robot.joints[link - 1];
+        if joint.dof.is_some() {
+            return true;
+        }
+        link = joint.parent;
+    }
+    false
 }

@@ -52,6 +52,4 @@ pub struct RobotChoice {
     pub title: String,
     /// Posture of its SRDF from which it starts when a scene is handed to it.
     pub posture: String,
-    /// Whether a joint between its base and its arms (a torso) can move with the arm.
-    pub has_torso: bool,
 }

@@ -45,6 +45,7 @@ pub struct Grasp {
     /// Pose of the hand frame H in the object frame O (the fitted superquadric's axes S).
     pub X_OH: Isometry3<f64>,
     /// Finger positions after closing, in the order of `Hand::fingers` flattened.
+    #[serde(with = "crate::bulk")]
     pub closed: Vec<f64>,
     /// Where the hand touches.
     pub contacts: Vec<Contact>,
@@ -173,8 +174,10 @@ pub struct Situated {
     pub ik_count: usize,
     /// The IK set: one value per joint of the arm ([`crate::robot::Arm::dofs`]) each, radians, in order of arm angle
     /// and branch.
+    #[serde(with = "crate::bulk::lists")]
     pub solutions: Vec<Vec<f64>>,
     /// Manipulability (5.1) of each solution.
+    #[serde(with = "crate::bulk")]
     pub manipulability: Vec<f64>,
     /// Arm angles that the joint limits allow, collisions not asked; empty for an arm without closed form.
     #[serde(default)]

@@ -6,8 +6,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Trajectory {
     /// Sample times from 0, seconds, ascending.
+    #[serde(with = "crate::bulk")]
     pub times_s: Vec<f64>,
     /// Joint positions of each sample, in the order of the arm's joints.
+    #[serde(with = "crate::bulk::lists")]
     pub positions: Vec<Vec<f64>>,
 }
 

@@ -92,7 +92,6 @@ pub(super) fn fresh() -> ViewerState {
         name: title.to_lowercase(),
         title: title.to_owned(),
         posture: "home".to_owned(),
-        has_torso: title == "Crichton",
     });
     let mut state = ViewerState::new(Document::new(demos[2].scene.clone()), demos, robots.to_vec());
     state.demo = Some("glass".to_owned());

@@ -20,8 +20,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     if let Some(index) = segmented_wide(ui, "Arm", &["Left", "Right"], Some(chosen)) {
         out.push(Command::SetArm([ArmChoice::Left, ArmChoice::Right][index]));
     }
-    let has_torso = state.robots.iter().any(|robot| robot.name == scene.robot && robot.has_torso);
-    if has_torso && switch(ui, "The torso moves with the arm", scene.torso) {
+    if state.has_torso() && switch(ui, "The torso moves with the arm", scene.torso) {
         out.push(Command::Grasping(GraspCommand::SetTorso(!scene.torso)));
     }
 
