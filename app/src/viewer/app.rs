@@ -14,6 +14,7 @@ use super::{
     BringCommand, Command, Document, Effect, LabCommand, Offer, Overlay, PanelSizes, ReachCommand, Studio, ThemeChoice,
     ViewCommand, ViewEffect, ViewerState, draw_panels, theme,
 };
+use crate::assets;
 use crate::host::Host;
 
 /// How the program shall open.
@@ -32,6 +33,10 @@ pub struct StartOptions {
     /// Files to open as if they had been dropped: paths and contents.
     pub files: Vec<(String, Vec<u8>)>,
 }
+
+/// The frame after which the robots are loaded that no scene wants yet. The first pictures are there by then, and a
+/// switch to another robot does not have to wait a tenth of a second (in a browser) for its meshes and its collisions.
+const LOADS_OTHERS: u64 = 3;
 
 /// The interface as eframe runs it.
 pub struct App {
@@ -311,6 +316,11 @@ impl eframe::App for App {
         let ctx = ui.ctx().clone();
         for command in commands {
             self.apply(&ctx, command);
+        }
+        if self.frames == LOADS_OTHERS {
+            for robot in &self.state.robots {
+                let _loaded_now_or_refused_when_wanted = assets::library().robot(&robot.name);
+            }
         }
     }
 
