@@ -38,7 +38,7 @@ impl Picture<'_> {
         let moment = |k: usize| {
             let time_s = (k as f64 * step_s).min(duration_s);
             let frame = self.frame(&mut composer, plan.as_ref(), Some(time_s), theme, &layers, None);
-            Moment { time_s, meshes: frame.meshes }
+            Moment { time_s, meshes: frame.bodies().cloned().collect() }
         };
         (0..=steps).map(moment).collect()
     }

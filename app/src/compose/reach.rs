@@ -59,7 +59,7 @@ impl<'a> ReachContent<'a> {
 #[derive(Default)]
 pub(super) struct Drawn {
     key: Option<Key>,
-    voxels: Vec<MeshDraw>,
+    voxels: Arc<Vec<MeshDraw>>,
     bounds: Option<Bounds>,
     cube: Option<(f64, Arc<Mesh>)>,
     arrow: Option<Arc<Mesh>>,
@@ -83,7 +83,7 @@ impl Composer {
         let opacity = input.layers.opacity(Layer::Reach);
         let Some(reach) = input.reach.filter(|_| opacity > 0.0) else {
             self.reach.key = None;
-            self.reach.voxels.clear();
+            self.reach.voxels = Arc::default();
             return;
         };
         let maps = reach.placed(input);
@@ -96,7 +96,9 @@ impl Composer {
             self.reach.place(&shown, &maps, &reach, opacity);
             self.reach.key = Some(key);
         }
-        frame.meshes.extend(self.reach.voxels.iter().cloned());
+        if !self.reach.voxels.is_empty() {
+            frame.fields.push(self.reach.voxels.clone());
+        }
         if let Some((chosen, placed)) = chosen.and_then(|chosen| Some((chosen, maps[chosen.arm]?))) {
             self.reach.add_hands(frame, &placed, chosen, palette);
         }
@@ -106,8 +108,8 @@ impl Composer {
 impl Drawn {
     fn place(&mut self, cells: &[Cell], maps: &[Option<Placed<'_>>; 2], reach: &ReachContent<'_>, opacity: f32) {
         let scale = reach.scale();
-        self.voxels.clear();
         self.bounds = None;
+        let mut voxels = Vec::new();
         let (mut low, mut high) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
         for (arm, placed) in maps.iter().enumerate() {
             let Some(placed) = placed else { continue };
@@ -118,7 +120,7 @@ impl Drawn {
                 // Dozens stand behind each other: only a steep rise leaves the inside visible.
                 color[3] *= opacity * (LEAST_OPACITY + (1.0 - LEAST_OPACITY) * share.powi(4)) as f32;
                 (low, high) = (low.inf(&cell.p_W.coords), high.sup(&cell.p_W.coords));
-                self.voxels.push(MeshDraw {
+                voxels.push(MeshDraw {
                     mesh: mesh.clone(),
                     X_WM: Isometry3::from_parts(cell.p_W.into(), placed.X_WB.rotation),
                     color,
@@ -127,6 +129,7 @@ impl Drawn {
                 });
             }
         }
+        self.voxels = Arc::new(voxels);
         self.bounds = (!self.voxels.is_empty()).then(|| Bounds { min: low.into(), max: high.into() });
     }
 

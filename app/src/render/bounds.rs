@@ -70,7 +70,7 @@ impl Bounds {
     /// The box around everything that a frame shows; `None` if it shows nothing.
     pub fn of_frame(frame: &Frame, cache: &mut BoundsCache) -> Option<Self> {
         let mut bounds = None;
-        for draw in &frame.meshes {
+        for draw in frame.bodies() {
             if let Some(sphere) = cache.sphere(&draw.mesh) {
                 let center = draw.X_WM * sphere.center;
                 if center.coords.iter().all(|c| c.is_finite()) {

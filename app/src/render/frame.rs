@@ -10,10 +10,19 @@ use nalgebra::{Isometry3, Point3};
 pub struct Frame {
     /// Bodies.
     pub meshes: Vec<MeshDraw>,
+    /// Bodies by the tens of thousands that stay where they are, uploaded once per `Arc`: data, which casts no shadow.
+    pub fields: Vec<Arc<Vec<MeshDraw>>>,
     /// Clouds.
     pub points: Vec<PointsDraw>,
     /// Paths, axes, glyph stems.
     pub lines: Vec<LineDraw>,
+}
+
+impl Frame {
+    /// All bodies: [`Self::meshes`], then those of [`Self::fields`].
+    pub fn bodies(&self) -> impl Iterator<Item = &MeshDraw> {
+        self.meshes.iter().chain(self.fields.iter().flat_map(|field| field.iter()))
+    }
 }
 
 /// One instance of a mesh. Meshes are uploaded once per `Arc`, so keep and share them.

@@ -12,11 +12,12 @@ use nalgebra::{Point3, Unit, Vector3};
 use super::{
     BoundsCache, Camera, Frame, MeshDraw, Surface,
     bounds::is_finite,
+    fields::Fields,
     gpu::{Color, Recipe, Sampled, Stream, fixed_buffer, shader},
 };
 
 /// Opacity from which a body is drawn as opaque.
-const OPAQUE: f32 = 0.999;
+pub(super) const OPAQUE: f32 = 0.999;
 
 /// One vertex in the mesh's frame. Here `f32` begins.
 #[repr(C)]
@@ -37,7 +38,7 @@ pub(super) struct Instance {
 
 impl Instance {
     /// `R_WM` and `p_WM` relative to the scene centre: here `f32` begins.
-    fn new(draw: &MeshDraw, scene_center: &Point3<f64>) -> Self {
+    pub(super) fn new(draw: &MeshDraw, scene_center: &Point3<f64>) -> Self {
         let rotation = draw.X_WM.rotation.to_rotation_matrix();
         let shift = draw.X_WM.translation.vector - scene_center.coords;
         let row = |k: usize| [rotation[(k, 0)], rotation[(k, 1)], rotation[(k, 2)], shift[k]].map(|v| v as f32);
@@ -119,6 +120,16 @@ pub(super) struct Batch {
     count: u32,
 }
 
+impl Batch {
+    /// Adds the instance `index`, the next one, of a mesh.
+    pub(super) fn add(batches: &mut Vec<Self>, mesh: usize, index: u32) {
+        match batches.last_mut() {
+            Some(last) if last.mesh == mesh => last.count += 1,
+            _ => batches.push(Self { mesh, first: index, count: 1 }),
+        }
+    }
+}
+
 /// A frame's bodies in drawing order.
 #[derive(Default)]
 pub(super) struct Plan {
@@ -178,15 +189,15 @@ impl Plan {
             }
         }
         clear.sort_by(|a, b| b.0.total_cmp(&a.0));
-        plan.solid = plan.place(solid, scene_center);
-        plan.unlit = plan.place(unlit, scene_center);
+        plan.solid = solid.place(&mut plan.instances, scene_center);
+        plan.unlit = unlit.place(&mut plan.instances, scene_center);
         for (_, first, count) in clear {
             let draws = &frame.meshes[first..first + count];
             let ghost = draws.first().is_some_and(|draw| draw.surface == Surface::Ghost);
             if ghost {
                 let mut parts = Groups::default();
                 draws.iter().for_each(|draw| parts.add(draw));
-                let batches = plan.place(parts, scene_center);
+                let batches = parts.place(&mut plan.instances, scene_center);
                 plan.clear.push(Clear::Ghost(batches));
                 continue;
             }
@@ -203,16 +214,6 @@ impl Plan {
         plan
     }
 
-    fn place(&mut self, groups: Groups<'_>, scene_center: &Point3<f64>) -> Vec<Batch> {
-        let mut batches = Vec::with_capacity(groups.draws.len());
-        for (mesh, draws) in groups.draws {
-            let first = self.instances.len() as u32;
-            self.instances.extend(draws.into_iter().map(|draw| Instance::new(draw, scene_center)));
-            batches.push(Batch { mesh, first, count: self.instances.len() as u32 - first });
-        }
-        batches
-    }
-
     /// The instances that cast shadow; they come first.
     pub(super) fn casters(&self) -> &[Instance] {
         let count = self.solid.iter().map(|batch| batch.count as usize).sum();
@@ -227,7 +228,7 @@ pub(super) fn casts_shadow(draw: &MeshDraw) -> bool {
 
 /// Draws by mesh, in the order in which the meshes first appear.
 #[derive(Default)]
-struct Groups<'f> {
+pub(super) struct Groups<'f> {
     places: BTreeMap<usize, usize>,
     /// Mesh and place of the last draw: many of one mesh follow each other.
     last: Option<(usize, usize)>,
@@ -235,7 +236,7 @@ struct Groups<'f> {
 }
 
 impl<'f> Groups<'f> {
-    fn add(&mut self, draw: &'f MeshDraw) {
+    pub(super) fn add(&mut self, draw: &'f MeshDraw) {
         let mesh = Arc::as_ptr(&draw.mesh) as usize;
         let place = match self.last {
             Some((known, place)) if known == mesh => place,
@@ -246,6 +247,17 @@ impl<'f> Groups<'f> {
         };
         self.last = Some((mesh, place));
         self.draws[place].1.push(draw);
+    }
+
+    /// Appends the instances, mesh by mesh.
+    pub(super) fn place(self, instances: &mut Vec<Instance>, scene_center: &Point3<f64>) -> Vec<Batch> {
+        let mut batches = Vec::with_capacity(self.draws.len());
+        for (mesh, draws) in self.draws {
+            let first = instances.len() as u32;
+            instances.extend(draws.into_iter().map(|draw| Instance::new(draw, scene_center)));
+            batches.push(Batch { mesh, first, count: instances.len() as u32 - first });
+        }
+        batches
     }
 }
 
@@ -319,9 +331,14 @@ impl Meshes {
     /// Uploads what is new, forgets what nobody holds, writes the instances.
     pub(super) fn prepare(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, frame: &Frame, plan: &Plan) {
         self.uploaded.retain(|_, entry| entry.as_ref().is_some_and(|uploaded| uploaded.mesh.strong_count() > 0));
-        for draw in &frame.meshes {
+        // Many draws of one mesh follow each other.
+        let mut last = None;
+        for draw in frame.bodies() {
             let key = Arc::as_ptr(&draw.mesh) as usize;
-            self.uploaded.entry(key).or_insert_with(|| Uploaded::new(device, &draw.mesh));
+            if last != Some(key) {
+                self.uploaded.entry(key).or_insert_with(|| Uploaded::new(device, &draw.mesh));
+                last = Some(key);
+            }
         }
         self.instances.write(device, queue, bytemuck::cast_slice(&plan.instances));
     }
@@ -362,8 +379,25 @@ impl Meshes {
         }
     }
 
+    /// Draws the opaque bodies of fields.
+    pub(super) fn draw_opaque_fields(&self, pass: &mut wgpu::RenderPass<'_>, smooth: bool, fields: &Fields) {
+        pass.set_pipeline(self.opaque.get(smooth));
+        fields.opaque().for_each(|(instances, batches)| self.draw_from(pass, instances, batches));
+    }
+
+    /// Draws the see-through bodies of fields.
+    pub(super) fn draw_clear_fields(&self, pass: &mut wgpu::RenderPass<'_>, smooth: bool, fields: &Fields) {
+        pass.set_pipeline(self.mixed.get(smooth));
+        fields.clear().for_each(|(instances, batches)| self.draw_from(pass, instances, batches));
+    }
+
     fn draw(&self, pass: &mut wgpu::RenderPass<'_>, batches: &[Batch]) {
-        let Some(instances) = self.instances.buffer() else { return };
+        if let Some(instances) = self.instances.buffer() {
+            self.draw_from(pass, instances, batches);
+        }
+    }
+
+    fn draw_from(&self, pass: &mut wgpu::RenderPass<'_>, instances: &wgpu::Buffer, batches: &[Batch]) {
         let stride = size_of::<Instance>() as u64;
         for batch in batches {
             let Some(Some(mesh)) = self.uploaded.get(&batch.mesh) else { continue };

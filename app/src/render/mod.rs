@@ -12,6 +12,7 @@ mod bounds;
 mod camera;
 mod colormap;
 mod cut;
+mod fields;
 mod floor;
 mod frame;
 mod globals;

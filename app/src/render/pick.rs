@@ -12,7 +12,7 @@ const OPAQUE: f32 = 0.999;
 pub struct Hit {
     /// [`MeshDraw::pick_id`] of the body; 0 if it means nothing (a table, say), which is still a point to turn about.
     pub pick_id: u32,
-    /// Index into [`Frame::meshes`].
+    /// Which of [`Frame::bodies`].
     pub draw_idx: usize,
     /// Where, in the world.
     pub point: Point3<f64>,
@@ -44,7 +44,7 @@ impl Picker {
     pub fn pick_cut(&mut self, frame: &Frame, ray: Ray, cut: Option<Cut>) -> Option<Hit> {
         self.bounds.drop_unused();
         let mut nearest: Option<Hit> = None;
-        for (draw_idx, draw) in frame.meshes.iter().enumerate() {
+        for (draw_idx, draw) in frame.bodies().enumerate() {
             let opacity = draw.color[3];
             if opacity <= 0.0 || (draw.pick_id == 0 && opacity < OPAQUE) || !is_finite(&draw.X_WM) {
                 continue;

@@ -4,6 +4,7 @@ use nalgebra::Point3;
 
 use super::{
     BoundsCache, Cut, Frame, Target, View,
+    fields::Fields,
     floor::Floor,
     globals::{Extent, Globals, Stage},
     gpu::{self, Stream},
@@ -62,6 +63,7 @@ pub struct Renderer {
     lighting: Lighting,
     floor: Floor,
     meshes: Meshes,
+    fields: Fields,
     points: Points,
     lines: Lines,
     /// What the shadow map shows, so that it is drawn anew only when a caster has moved.
@@ -101,6 +103,7 @@ impl Renderer {
             lighting: Lighting::new(device, &globals_layout),
             floor: Floor::new(device, &globals_layout, &light_layout),
             meshes: Meshes::new(device, &globals_layout, &light_layout),
+            fields: Fields::default(),
             points: Points::new(device, &globals_layout),
             lines: Lines::new(device, &globals_layout),
             globals_layout,
@@ -148,6 +151,7 @@ impl Renderer {
         let Some(globals) = &self.globals_group else { return };
         let stage = Stage { camera, scene_center, size, pixels_per_point: view.pixels_per_point };
         self.meshes.prepare(device, queue, frame, &plan);
+        self.fields.prepare(device, queue, frame, camera, &scene_center);
         self.points.prepare(device, queue, frame, &stage);
         self.lines.prepare(device, queue, frame, &stage);
 
@@ -188,11 +192,14 @@ impl Renderer {
         }
         self.meshes.draw_opaque(&mut pass, smooth, &plan.solid);
         self.meshes.draw_opaque(&mut pass, smooth, &plan.unlit);
+        self.meshes.draw_opaque_fields(&mut pass, smooth, &self.fields);
         self.floor.draw_visible(&mut pass, smooth);
         self.points.draw(&mut pass, smooth);
         self.lines.draw(&mut pass, smooth);
         pass.set_bind_group(1, &light_group, &[]);
         self.meshes.draw_clear(&mut pass, smooth, &plan.clear);
+        // After the ghosts, which hide what is behind them and let through what is before.
+        self.meshes.draw_clear_fields(&mut pass, smooth, &self.fields);
         drop(pass);
         queue.submit([encoder.finish()]);
     }

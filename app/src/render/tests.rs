@@ -174,6 +174,39 @@ fn picking_agrees_with_the_picture() {
 }
 
 #[test]
+fn a_field_looks_like_its_bodies_one_by_one_and_turns_with_the_view() {
+    let Some(mut offscreen) = offscreen() else { return };
+    let cube = Arc::new(shapes::cuboid(Vector3::repeat(0.1)));
+    for opacity in [1.0, 0.4] {
+        let at = |k: u32| Isometry3::translation(0.3 + 0.12 * f64::from(k % 6), 0.12 * f64::from(k / 6) - 0.3, 0.7);
+        let color = |k: u32| [0.03 * k as f32, 0.8 - 0.02 * k as f32, 0.2, opacity];
+        let cell = |k: u32| MeshDraw {
+            mesh: cube.clone(),
+            X_WM: at(k),
+            color: color(k),
+            surface: Surface::Facet,
+            pick_id: k + 1,
+        };
+        let bodies: Vec<MeshDraw> = (0..30).map(cell).collect();
+        let one_by_one = Frame { meshes: bodies.clone(), ..Frame::default() };
+        let field = Frame { fields: vec![Arc::new(bodies)], ..Frame::default() };
+        for yaw_rad in [0.3, 2.2, 4.0] {
+            let camera = Camera { yaw_rad, pitch_rad: 0.4, distance_m: 2.5, ..Camera::default() };
+            let view = View { transparent: true, ..View::new(camera, Theme::Dark, [160, 120]) };
+            let (a, b) = (offscreen.render(&one_by_one, &view).unwrap(), offscreen.render(&field, &view).unwrap());
+            let far = |(a, b): (&u8, &u8)| a.abs_diff(*b) > 2;
+            let different = a.as_raw().iter().zip(b.as_raw()).filter(|pair| far(*pair)).count();
+            assert!(a.pixels().any(|pixel| pixel.0[3] > 0), "something is seen");
+            // Cells of one depth may swap.
+            assert!(different < 160 * 120 * 4 / 200, "{different} bytes differ at opacity {opacity}, yaw {yaw_rad}");
+            let ray = camera.ray(Point2::new(80.0, 60.0), [160.0, 120.0]);
+            let hits = [&one_by_one, &field].map(|frame| Picker::default().pick(frame, ray).map(|hit| hit.pick_id));
+            assert_eq!(hits[0], hits[1]);
+        }
+    }
+}
+
+#[test]
 fn points_and_lines_have_the_size_they_are_given() {
     let Some(mut offscreen) = offscreen() else { return };
     let view = View { pixels_per_point: 2.0, transparent: true, ..top_view([200, 200], Theme::Dark) };
@@ -215,6 +248,7 @@ fn data_that_is_not_finite_or_does_not_fit_draws_what_is_left() {
         ],
         points: vec![cloud],
         lines: vec![nowhere],
+        ..Frame::default()
     };
     let image = offscreen.render(&frame, &top_view([100, 100], Theme::Light)).unwrap();
     assert_eq!(image.get_pixel(50, 50).0, [128, 128, 128, 255], "the point that is left, in grey");

@@ -42,10 +42,10 @@ pub fn glb(moments: &[Moment]) -> Result<Vec<u8>, String> {
 /// # Errors
 /// A sentence when the picture is empty, or when the file would be larger than 256 MB.
 pub fn glb_scene(frame: &Frame) -> Result<Vec<u8>, String> {
-    if frame.meshes.is_empty() && frame.points.is_empty() && frame.lines.is_empty() {
+    if frame.bodies().next().is_none() && frame.points.is_empty() && frame.lines.is_empty() {
         return Err("there is nothing to export".to_owned());
     }
-    write(&[Moment { time_s: 0.0, meshes: frame.meshes.clone() }], &frame.points, &frame.lines)
+    write(&[Moment { time_s: 0.0, meshes: frame.bodies().cloned().collect() }], &frame.points, &frame.lines)
 }
 
 fn write(moments: &[Moment], clouds: &[PointsDraw], lines: &[LineDraw]) -> Result<Vec<u8>, String> {
@@ -347,7 +347,8 @@ mod tests {
         let line = |color: [f32; 4]| LineDraw::new(vec![Point3::origin(), Point3::new(0.0, 0.0, 1.0)], color, 2.0);
         let lines = vec![line([0.0, 0.0, 1.0, 1.0]), line([0.0, 0.0, 1.0, 0.5]), line([0.0, 0.0, 1.0, 1.0])];
         let meshes = vec![draw(&triangle(), Isometry3::identity())];
-        let (root, bytes) = read(&glb_scene(&Frame { meshes, points: vec![cloud], lines }).expect("a file"));
+        let (root, bytes) =
+            read(&glb_scene(&Frame { meshes, points: vec![cloud], lines, ..Frame::default() }).expect("a file"));
         let mode = |mesh: usize| root["meshes"][mesh]["primitives"][0]["mode"].as_u64();
         assert_eq!((0..5).map(mode).collect::<Vec<_>>(), [None, Some(0), Some(3), Some(3), Some(3)]);
         assert_eq!(root["nodes"].as_array().map(Vec::len), Some(6), "each has a node, and the world one");
