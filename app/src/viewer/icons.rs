@@ -35,12 +35,17 @@ pub(super) enum Icon {
     Present,
     Sliders,
     Link,
+    Search,
 }
 
 /// Draws an icon in a square of `size` points around `centre`.
 pub(super) fn paint(painter: &Painter, icon: Icon, centre: Pos2, size: f32, color: Color32) {
     let pen = Pen { painter, centre, scale: size / 16.0, color };
     match icon {
+        Icon::Search => {
+            pen.ring((7.0, 7.0), 4.2);
+            pen.line(&[(10.2, 10.2), (13.2, 13.2)]);
+        }
         Icon::Play => pen.fill(&[(4.5, 2.5), (13.5, 8.0), (4.5, 13.5)]),
         Icon::Pause => {
             pen.bar(4.0, 3.0, 3.0, 10.0);

@@ -1,9 +1,9 @@
-//! What the view shows: one row per layer with its eye and its opacity.
+//! What the view shows: one row per layer with its eye and its opacity, and a search among layers and things.
 
 use egui::{Align, Color32, Rect, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 use endcomfort_core::grasp::GraspStatus;
 
-use super::{Out, cloud_menu};
+use super::{Out, cloud_menu, finder};
 use crate::viewer::format;
 use crate::viewer::icons::{self, Icon};
 use crate::viewer::theme::{BODY, SECONDARY, SMALL_RADIUS, Tokens, font};
@@ -15,12 +15,18 @@ const ROW: [f32; 2] = [25.0, 17.2];
 
 pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     ui.add_space(4.0);
-    section(ui, "Shown");
+    let heading = ui.scope(|ui| section(ui, "Shown")).response.rect;
+    let row_of_heading = Rect::from_x_y_ranges(ui.max_rect().x_range(), heading.bottom() - 17.0..=heading.bottom());
+    let words = finder::draw(ui, row_of_heading);
     ui.add_space(2.0);
     // A handover has no routes, and nothing else has places.
     let is_handover = state.scene().handover.is_some();
     let without = if is_handover { Layer::Routes } else { Layer::Handover };
     let layers: Vec<Layer> = Layer::ALL.into_iter().filter(|&layer| layer != without).collect();
+    if let Some(words) = words {
+        finder::list(ui, state, &layers, &words, out);
+        return;
+    }
     let height = ui.available_height() / layers.len() as f32;
     let height = height.max(ROW[1]).min(ROW[0]);
     egui::ScrollArea::vertical().id_salt("Shown").auto_shrink([false, true]).show(ui, |ui| {
@@ -31,7 +37,7 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
     });
 }
 
-fn row(ui: &mut Ui, state: &ViewerState, layer: Layer, height: f32, out: &mut Out) {
+pub(super) fn row(ui: &mut Ui, state: &ViewerState, layer: Layer, height: f32, out: &mut Out) {
     let tokens = Tokens::of(ui);
     let view = state.layers.get(layer);
     let (rect, row) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
@@ -116,7 +122,7 @@ fn color(layer: Layer, tokens: &Tokens) -> Color32 {
     }
 }
 
-fn label(state: &ViewerState, layer: Layer) -> String {
+pub(super) fn label(state: &ViewerState, layer: Layer) -> String {
     let outputs = &state.outputs;
     let counted = |count: Option<usize>| match count {
         Some(count) => format!("{} · {}", layer.title(), format::count(count)),

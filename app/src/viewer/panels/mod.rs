@@ -5,6 +5,7 @@ mod bringing_files;
 mod cloud_menu;
 mod drop_zone;
 mod edges;
+mod finder;
 mod fit;
 mod gallery;
 mod grasps;

@@ -51,3 +51,34 @@ fn sizes_have_ends_and_travel_as_json() {
     assert_eq!(serde_json::from_str::<PanelSizes>(&text).expect("it was just written"), sizes);
     assert_eq!(sizes, PanelSizes([Some(420.0), None, None]));
 }
+
+#[test]
+fn the_outliner_finds_layers_and_things_by_their_names() {
+    let mut harness = page(invented::planned(), SIZE, Theme::Dark);
+    harness.run_steps(1);
+    harness.get_by_label("Search what is shown").click();
+    harness.run_steps(2);
+    harness.event(egui::Event::Text("cluster 1".to_owned()));
+    harness.run_steps(2);
+    assert_eq!(harness.query_all_by_label_contains("Opacity of").count(), 0, "no layer has a number in its name");
+    harness.get_by_label_contains("Cluster 1,").hover();
+    harness.run_steps(2);
+    assert_eq!(harness.state().state.hover.cluster, Some(0), "its points light up");
+    harness.get_by_label_contains("Cluster 1,").click();
+    harness.run_steps(2);
+    assert_eq!(harness.state().state.selection.cluster, Some(0));
+    harness.get_by_label("Clear the words").click();
+    harness.run_steps(2);
+    harness.get_by_label("Words to search for").focus();
+    harness.run_steps(1);
+    harness.event(egui::Event::Text("grasps".to_owned()));
+    harness.run_steps(2);
+    assert_eq!(harness.query_all_by_label("Hide Grasps").count(), 1, "a layer keeps its eye");
+    assert_eq!(harness.query_all_by_label("Hide Path").count(), 0);
+    harness.event(egui::Event::Text(" of nobody".to_owned()));
+    harness.run_steps(2);
+    assert_eq!(harness.query_all_by_label("Nothing is called so.").count(), 1);
+    harness.get_by_label("Close the search").click();
+    harness.run_steps(2);
+    assert_eq!(harness.query_all_by_label("Hide Path").count(), 1);
+}
