@@ -137,7 +137,7 @@ impl Studio for BuiltInStudio {
         let bounds = Some(bounds);
         // An audience reads the caption.
         let labels = if input.is_presented { Vec::new() } else { labels(input, &content) };
-        Picture { frame, labels, scale, legend: None, bounds, outline, object_W }
+        Picture { frame, labels, scale, legend: None, bounds, outline, object_W, hands_W: hands_W(&content) }
     }
 }
 
@@ -181,7 +181,8 @@ impl BuiltInStudio {
         };
         let (labels, bounds) = (labels(input, content), Some(bounds));
         let scale = (count > 0).then_some(bar);
-        Picture { frame, labels, scale, legend, bounds, outline, object_W: object_W(content) }
+        let (object_W, hands_W) = (object_W(content), hands_W(content));
+        Picture { frame, labels, scale, legend, bounds, outline, object_W, hands_W }
     }
 }
 
@@ -195,6 +196,12 @@ fn cloud_bar(content: &Content<'_>) -> Option<ScaleBar> {
 /// Where the object is that the task is about.
 fn object_W(content: &Content<'_>) -> Option<Point3<f64>> {
     content.X_WO.map(|X_WO| X_WO.translation.vector.into())
+}
+
+/// Where the hands of all arms are.
+fn hands_W(content: &Content<'_>) -> Vec<Point3<f64>> {
+    let X_WL = content.robot.link_poses(content.q);
+    content.robot.arms.iter().map(|arm| X_WL[arm.hand.tcp_link].translation.vector.into()).collect()
 }
 
 /// The maps that are shown.

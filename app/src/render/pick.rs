@@ -25,7 +25,7 @@ pub struct Hit {
 /// The nearest body that the ray meets, from either side. See-through bodies that mean nothing (`pick_id` 0) are
 /// passed through. For repeated questions keep a [`Picker`].
 pub fn pick(frame: &Frame, origin: Point3<f64>, direction: Unit<Vector3<f64>>) -> Option<Hit> {
-    Picker::default().pick(frame, Ray { origin, direction })
+    Picker::default().pick(frame, Ray { origin, direction }, None)
 }
 
 /// Picks and remembers the bounding spheres of the meshes between questions.
@@ -35,13 +35,8 @@ pub struct Picker {
 }
 
 impl Picker {
-    /// As [`pick`].
-    pub fn pick(&mut self, frame: &Frame, ray: Ray) -> Option<Hit> {
-        self.pick_cut(frame, ray, None)
-    }
-
-    /// As [`pick`], of what a cut leaves.
-    pub fn pick_cut(&mut self, frame: &Frame, ray: Ray, cut: Option<Cut>) -> Option<Hit> {
+    /// As [`pick`]; with a cut, of what it leaves.
+    pub fn pick(&mut self, frame: &Frame, ray: Ray, cut: Option<Cut>) -> Option<Hit> {
         self.bounds.drop_unused();
         let mut nearest: Option<Hit> = None;
         for (draw_idx, draw) in frame.bodies().enumerate() {

@@ -156,7 +156,7 @@ fn picking_agrees_with_the_picture() {
         let (mut different, mut hits) = (0, 0);
         for (x, y, pixel) in image.enumerate_pixels() {
             let ray = camera.ray(Point2::new(f64::from(x) + 0.5, f64::from(y) + 0.5), [160.0, 120.0]);
-            let picked = picker.pick(&frame, ray).map_or(0, |hit| hit.pick_id);
+            let picked = picker.pick(&frame, ray, None).map_or(0, |hit| hit.pick_id);
             hits += usize::from(picked != 0);
             let [r, _, b, _] = pixel.0;
             let drawn = match b {
@@ -200,7 +200,8 @@ fn a_field_looks_like_its_bodies_one_by_one_and_turns_with_the_view() {
             // Cells of one depth may swap.
             assert!(different < 160 * 120 * 4 / 200, "{different} bytes differ at opacity {opacity}, yaw {yaw_rad}");
             let ray = camera.ray(Point2::new(80.0, 60.0), [160.0, 120.0]);
-            let hits = [&one_by_one, &field].map(|frame| Picker::default().pick(frame, ray).map(|hit| hit.pick_id));
+            let hits =
+                [&one_by_one, &field].map(|frame| Picker::default().pick(frame, ray, None).map(|hit| hit.pick_id));
             assert_eq!(hits[0], hits[1]);
         }
     }

@@ -205,6 +205,9 @@ pub(super) fn without_keys(state: &ViewerState) -> Vec<Action> {
     for step in Step::ALL {
         actions.push(Action::new(Select, format!("Go to step {}", step.title()), Command::SelectStep(step)));
     }
+    for (hand, title) in state.hands_to_follow() {
+        actions.push(Action::new(View, title, Command::Follow(hand)));
+    }
     for named in [Named::Back, Named::Left, Named::Bottom] {
         actions.push(Action::new(View, named.title(), Command::View(ViewCommand::Look(named))));
     }

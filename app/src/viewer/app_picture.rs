@@ -177,7 +177,7 @@ impl App {
         let mut input = self.state.compose_input(shot.dark);
         (input.posture, input.lab) = (Posture::Plan { time_s }, None);
         let picture = self.studio.compose(&input);
-        if let Some(p_W) = picture.object_W.filter(|_| self.state.playback.follows) {
+        if let Some(p_W) = self.state.playback.follows.and_then(|followed| picture.place_of(followed)) {
             camera.target = p_W;
         }
         let stand = (camera, self.state.looking.cut);

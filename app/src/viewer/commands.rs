@@ -12,9 +12,9 @@ use super::bringing::usable_arm;
 use super::goal_drag::GoalDrag;
 use super::state::{IkChoice, Presentation, Side, StageState, Step, ThemeChoice};
 use super::{
-    BringCommand, Document, Edge, GraspCommand, HandoverCommand, LabCommand, Layer, LookCommand, Opened, Overlay,
-    PanelSizes, PictureCommand, PictureEffect, PlaceCommand, PlanCommand, Playback, PoseCommand, ReachCommand, Saved,
-    TourCommand, ViewCommand, ViewEffect, ViewerState, playback, share,
+    BringCommand, Document, Edge, Followed, GraspCommand, HandoverCommand, LabCommand, Layer, LookCommand, Opened,
+    Overlay, PanelSizes, PictureCommand, PictureEffect, PlaceCommand, PlanCommand, Playback, PoseCommand, ReachCommand,
+    Saved, TourCommand, ViewCommand, ViewEffect, ViewerState, playback, share,
 };
 use crate::export::MotionFormat;
 use crate::render::Camera;
@@ -84,7 +84,9 @@ pub enum Command {
     NextSpeed,
     /// Whether the end leads back to the start.
     ToggleLoop,
-    /// Whether the camera keeps the object in the middle.
+    /// What the camera keeps in the middle; following it already, it lets go.
+    Follow(Followed),
+    /// The camera stays where it is, or follows the object.
     ToggleFollow,
     /// Shows the view alone with captions, or the panels again.
     Present(bool),
@@ -287,7 +289,12 @@ impl ViewerState {
                 let next = Playback::SPEEDS.into_iter().find(|&speed| speed > self.playback.speed);
                 self.playback.speed = next.unwrap_or(Playback::SPEEDS[0]);
             }
-            Command::ToggleFollow => self.playback.follows = !self.playback.follows,
+            Command::Follow(followed) => {
+                self.playback.follows = Some(followed).filter(|_| self.playback.follows != Some(followed));
+            }
+            Command::ToggleFollow => {
+                self.playback.follows = Some(Followed::Object).filter(|_| self.playback.follows.is_none());
+            }
             Command::Present(wanted) => return self.present(wanted),
             Command::ToggleLoop => self.playback.looping = !self.playback.looping,
             Command::ToggleLayer(layer) => {

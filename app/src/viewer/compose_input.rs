@@ -7,8 +7,8 @@ use endcomfort_core::task::Try;
 use nalgebra::Point3;
 
 use super::{
-    CloudLook, Document, GraspingKey, Hover, Kept, LabKey, Layers, Outputs, PlanningKey, PosingKey, ReachKey, Reaching,
-    Selection, Situation, VoxelChoice,
+    CloudLook, Document, Followed, GraspingKey, Hover, Kept, LabKey, Layers, Outputs, PlanningKey, PosingKey, ReachKey,
+    Reaching, Selection, Situation, VoxelChoice,
 };
 use crate::render::{Bounds, Frame, Scale};
 
@@ -127,6 +127,18 @@ pub struct Picture {
     pub outline: Vec<Point3<f64>>,
     /// Where the object is that the task is about, in the world, metres.
     pub object_W: Option<Point3<f64>>,
+    /// Where the hands are, arm by arm, in the world, metres.
+    pub hands_W: Vec<Point3<f64>>,
+}
+
+impl Picture {
+    /// Where that is now.
+    pub fn place_of(&self, followed: Followed) -> Option<Point3<f64>> {
+        match followed {
+            Followed::Object => self.object_W,
+            Followed::Hand(arm) => self.hands_W.get(arm).copied(),
+        }
+    }
 }
 
 /// A word at a place.

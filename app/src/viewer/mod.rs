@@ -91,7 +91,7 @@ pub use pick::Pick;
 pub use picturing::{PictureCommand, PictureEffect, PicturePage, PictureSettings, Picturing, Shot, SizePreset};
 pub use placing::{PlaceCommand, Thing};
 pub use planning::{PlanCommand, PlanPage, Planning, PlanningKey, PlayPage, planner_title};
-pub use playback::Playback;
+pub use playback::{Followed, Playback};
 pub use posing::{HandTarget, Jog, LedHand, PoseCommand, Posing, PosingKey};
 pub use quantities::unit as unit_of;
 pub use reach::{MapSource, ReachCommand, ReachKey, ReachPage, Reaching, ShownMap, Slot, VoxelChoice};

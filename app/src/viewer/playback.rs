@@ -2,6 +2,9 @@
 
 use endcomfort_core::task::{Phase, Plan};
 
+use super::ViewerState;
+use crate::assets;
+
 /// Where the playing stands.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Playback {
@@ -13,13 +16,31 @@ pub struct Playback {
     pub speed: f64,
     /// Whether the end leads back to the start.
     pub looping: bool,
-    /// Whether the camera keeps the object in the middle.
-    pub follows: bool,
+    /// What the camera keeps in the middle.
+    pub follows: Option<Followed>,
+}
+
+/// What the camera can follow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Followed {
+    /// The object that the task is about.
+    Object,
+    /// The hand of an arm, by the arm's index in the robot.
+    Hand(usize),
 }
 
 impl Default for Playback {
     fn default() -> Self {
-        Self { time_s: 0.0, playing: false, speed: 1.0, looping: false, follows: false }
+        Self { time_s: 0.0, playing: false, speed: 1.0, looping: false, follows: None }
+    }
+}
+
+impl ViewerState {
+    /// The hands of all arms in the scene, and what a person reads.
+    pub fn hands_to_follow(&self) -> Vec<(Followed, String)> {
+        let Ok(robot) = assets::library().robot_of(self.scene()) else { return Vec::new() };
+        let title = |name: &str| format!("Follow the {} hand", name.replace(['_', '-'], " "));
+        robot.arms.iter().enumerate().map(|(arm, of)| (Followed::Hand(arm), title(&of.name))).collect()
     }
 }
 

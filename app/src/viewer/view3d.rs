@@ -234,7 +234,7 @@ impl View3d {
             ui.ctx().request_repaint();
         }
         self.travel_on(ui);
-        self.follow_object(ui, state);
+        self.follow(ui, state);
         self.camera.projection = state.viewing.projection;
         let pixels_per_point = ui.pixels_per_point();
         let size_px = [rect.width(), rect.height()].map(|side| (side * pixels_per_point).round().max(1.0) as u32);
@@ -354,10 +354,11 @@ impl View3d {
         ui.ctx().request_repaint();
     }
 
-    /// The camera turns to where the object is, smoothly, unless a hand is on it.
-    fn follow_object(&mut self, ui: &Ui, state: &ViewerState) {
-        let is_free = state.playback.follows && self.travel.is_none() && self.anchor.is_none();
-        let Some(p_W) = self.picture.object_W.filter(|_| is_free) else { return };
+    /// The camera turns to where what it follows is, smoothly, unless a hand is on it.
+    fn follow(&mut self, ui: &Ui, state: &ViewerState) {
+        let is_free = self.travel.is_none() && self.anchor.is_none();
+        let followed = state.playback.follows.filter(|_| is_free);
+        let Some(p_W) = followed.and_then(|followed| self.picture.place_of(followed)) else { return };
         let away = p_W - self.camera.target;
         if away.norm() > FOLLOWED_M {
             let dt_s = f64::from(ui.input(|input| input.stable_dt)).min(0.1);
@@ -372,7 +373,7 @@ impl View3d {
         let in_picture = |at: Pos2| Point2::new(f64::from(at.x - rect.left()), f64::from(at.y - rect.top()));
         if let Some(touch) = ui.input(|input| input.multi_touch()).filter(|_| response.dragged() || response.hovered())
         {
-            let anchor = self.point_under(in_picture(touch.center_pos), size);
+            let anchor = self.point_under(in_picture(touch.center_pos), size, state);
             self.zoom(f64::from(touch.zoom_delta), &anchor);
             let to = touch.center_pos;
             self.camera.pan(&anchor, in_picture(to - touch.translation_delta), in_picture(to), size);
@@ -388,7 +389,7 @@ impl View3d {
             && !is_taken
             && let Some(pointer) = response.interact_pointer_pos()
         {
-            self.anchor = Some(self.point_under(in_picture(pointer), size));
+            self.anchor = Some(self.point_under(in_picture(pointer), size, state));
             self.travel = None;
         }
         if let (true, Some(pointer), Some(anchor)) = (response.dragged(), response.interact_pointer_pos(), self.anchor)
@@ -410,7 +411,7 @@ impl View3d {
         let Some(pointer) = response.hover_pos() else { return };
         let (scroll, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
         if scroll != 0.0 || pinch != 1.0 {
-            let anchor = self.point_under(in_picture(pointer), size);
+            let anchor = self.point_under(in_picture(pointer), size, state);
             self.zoom(f64::from(pinch) * (f64::from(scroll) / 240.0).exp(), &anchor);
             self.travel = None;
         }
@@ -428,7 +429,7 @@ impl View3d {
         state: &ViewerState,
         commands: &mut Vec<Command>,
     ) {
-        let hit = self.picker.pick_cut(&self.picture.frame, self.camera.ray(at, size), state.looking.cut);
+        let hit = self.picker.pick(&self.picture.frame, self.camera.ray(at, size), state.looking.cut);
         let pick = hit.as_ref().map_or(Pick::Nothing, |hit| Pick::from_id(hit.pick_id));
         let grasp = if let Pick::Grasp(id) = pick { Some(id) } else { None };
         let cluster = match pick {
@@ -501,9 +502,9 @@ impl View3d {
     }
 
     /// The point of the scene under a pixel; without one, the point at the target's depth.
-    fn point_under(&mut self, at: Point2<f64>, size: [f64; 2]) -> Point3<f64> {
+    fn point_under(&mut self, at: Point2<f64>, size: [f64; 2], state: &ViewerState) -> Point3<f64> {
         let ray = self.camera.ray(at, size);
-        match self.picker.pick(&self.picture.frame, ray) {
+        match self.picker.pick(&self.picture.frame, ray, state.looking.cut) {
             Some(hit) => hit.point,
             None => {
                 let along = ray.direction.dot(&-self.camera.backward()).max(0.05);

@@ -44,7 +44,8 @@ pub(super) fn build(
         let (should_stop, now_ms) = (|| watch.should_stop(), || watch.now_ms());
         let file = robot.as_ref().map_err(String::clone).and_then(|robot| {
             let map = one(robot, arm, request, Watch::new(&should_stop, &progress, &now_ms))?;
-            Ok(map.to_bytes())
+            // Packing hundreds of orientations takes a while of its own.
+            if watch.should_stop() { Err(String::new()) } else { Ok(map.to_bytes()) }
         });
         if watch.should_stop() {
             return;

@@ -57,7 +57,7 @@ fn head(ui: &mut Ui, state: &ViewerState, layout: &Layout, out: &mut Out) {
         ),
         (
             Icon::Follow,
-            if state.playback.follows { "Leave the camera where it is (O)" } else { "Follow the object (O)" },
+            if state.playback.follows.is_some() { "Leave the camera where it is (O)" } else { "Follow the object (O)" },
             Command::ToggleFollow,
         ),
         (

@@ -119,9 +119,10 @@ fn controls(ui: &mut Ui, state: &ViewerState, plan: &Plan, row: Rect, pointed: O
     if icon_button(ui, Icon::Loop, word, true, playback.looping).clicked() {
         out.push(Command::ToggleLoop);
     }
-    let word = if playback.follows { "Leave the camera where it is (O)" } else { "The camera follows the object (O)" };
+    let follows = playback.follows.is_some();
+    let word = if follows { "Leave the camera where it is (O)" } else { "The camera follows the object (O)" };
     ui.add_space(-4.0);
-    if icon_button(ui, Icon::Follow, word, true, playback.follows).clicked() {
+    if icon_button(ui, Icon::Follow, word, true, follows).clicked() {
         out.push(Command::ToggleFollow);
     }
     ui.add_space(-4.0);

@@ -8,7 +8,7 @@ use crate::viewer::fields::menu_row;
 use crate::viewer::icons::Icon;
 use crate::viewer::slider::slider;
 use crate::viewer::widgets::{hairline, icon_button, segmented_wide, switch};
-use crate::viewer::{Command, LookCommand, Turning, ViewCommand, ViewerState};
+use crate::viewer::{Command, Followed, LookCommand, Turning, ViewCommand, ViewerState};
 
 /// Along each axis, from where to where a cut can be moved, and where it is at first, metres: the workspace.
 const CUT_M: [[f64; 3]; 3] = [[-0.8, 1.6, 0.5], [-1.4, 1.4, 0.0], [0.0, 2.0, 0.8]];
@@ -27,8 +27,14 @@ pub(super) fn draw(ui: &mut Ui, state: &ViewerState, out: &mut Out) {
             if menu_row(ui, "Look at the object  (C)", false) {
                 asked = Some(Command::View(ViewCommand::FrameObject));
             }
-            if menu_row(ui, "Follow the object  (O)", state.playback.follows) {
-                asked = Some(Command::ToggleFollow);
+            let follows = state.playback.follows;
+            if menu_row(ui, "Follow the object  (O)", follows == Some(Followed::Object)) {
+                asked = Some(Command::Follow(Followed::Object));
+            }
+            for (hand, title) in state.hands_to_follow() {
+                if menu_row(ui, &title, follows == Some(hand)) {
+                    asked = Some(Command::Follow(hand));
+                }
             }
             hairline(ui);
             let projections = [Projection::Perspective, Projection::Orthographic];

@@ -222,6 +222,23 @@ fn the_camera_follows_the_object_and_stays_when_it_is_told_to() {
     assert_eq!(target(&harness), stood);
 }
 
+#[test]
+fn the_camera_follows_any_hand() {
+    let mut harness = window(handed("butler"), SMALL, true);
+    harness.run_steps(40);
+    let hands = harness.state().bench.page.state.hands_to_follow();
+    let titles: Vec<&str> = hands.iter().map(|(_, title)| title.as_str()).collect();
+    assert_eq!(&titles[..2], ["Follow the left hand", "Follow the right hand"]);
+    harness.state_mut().bench.apply(Command::Follow(hands[1].0));
+    harness.run_steps(120);
+    let robot = crate::assets::library().robot_of(harness.state().bench.page.state.scene()).expect("both");
+    let q = harness.state().bench.page.state.scene().q_start(&robot).expect("a posture");
+    let hand = robot.link_poses(&q)[robot.arms[1].hand.tcp_link].translation.vector;
+    assert!((harness.state().view.camera().target.coords - hand).norm() < 5e-3);
+    harness.state_mut().bench.apply(Command::Follow(hands[1].0));
+    assert_eq!(harness.state().bench.page.state.playback.follows, None, "asked again, it lets go");
+}
+
 /// The looks of it: kept with `ENDCOMFORT_LOOK`.
 #[test]
 fn handovers_are_drawn_in_both_themes_and_on_a_phone() {
