@@ -81,12 +81,13 @@ impl Action {
 }
 
 /// Gestures that no key stands for: what a hand does, and what comes of it.
-pub(super) const GESTURES: [(&str, &str); 5] = [
+pub(super) const GESTURES: [(&str, &str); 6] = [
     ("Drag", "Turn about what is under it"),
     ("Right or Shift drag", "Move"),
     ("Wheel, pinch", "Zoom to the pointer"),
     ("Double click", "Look at what is there"),
     ("W A S D Q E", "Fly"),
+    ("Ctrl drag of a handle", "Snap to centimetres and 15°"),
 ];
 
 /// The actions that have a key. Of two with the same key and more modifiers the one with more stands first.

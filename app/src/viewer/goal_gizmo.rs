@@ -1,5 +1,6 @@
 //! Moving a goal in the view: its middle moves it over the table, its ring turns it, its arrow lifts it. The same gizmo
-//! without an arrow moves a receiver over the floor.
+//! without an arrow moves a receiver over the floor. With Ctrl places snap to whole centimetres of the world, and turns to
+//! whole multiples of 15°.
 //!
 //! The gizmo has the same size on the screen from near and far.
 
@@ -20,6 +21,8 @@ const ARROW_FOOT: f64 = 0.28;
 const NEAR: f32 = 8.0;
 /// Radius of the middle, points.
 const MIDDLE: f32 = 15.0;
+/// Steps of what snaps: metres and radians.
+pub(super) const SNAP: (f64, f64) = (0.01, std::f64::consts::PI / 12.0);
 /// Corners of the ring.
 const CORNERS: u32 = 64;
 
@@ -169,15 +172,21 @@ fn on_vertical(ray: &Ray, p_W: &Point3<f64>) -> Option<Point3<f64>> {
 }
 
 /// The goal when the pointer has moved from `from` along a handle to where a ray passes.
-fn moved(handle: Handle, X_WO: &Isometry3<f64>, from: &Point3<f64>, ray: &Ray) -> Option<Isometry3<f64>> {
+fn moved(handle: Handle, X_WO: &Isometry3<f64>, from: &Point3<f64>, ray: &Ray, snaps: bool) -> Option<Isometry3<f64>> {
     let p_WO = Point3::from(X_WO.translation.vector);
+    let snap = |value: f64, step: f64| if snaps { (value / step).round() * step } else { value };
     let mut to = *X_WO;
     match handle {
-        Handle::Middle => to.translation.vector += ray.meet_height(p_WO.z)? - from,
-        Handle::Arrow => to.translation.vector += on_vertical(ray, &p_WO)? - from,
+        Handle::Middle => {
+            let p_W = p_WO + (ray.meet_height(p_WO.z)? - from);
+            (to.translation.x, to.translation.y) = (snap(p_W.x, SNAP.0), snap(p_W.y, SNAP.0));
+        }
+        Handle::Arrow => to.translation.z = snap(p_WO.z + (on_vertical(ray, &p_WO)?.z - from.z), SNAP.0),
         Handle::Ring => {
             let angle = |p: &Point3<f64>| (p.y - p_WO.y).atan2(p.x - p_WO.x);
             let turn_rad = angle(&ray.meet_height(p_WO.z)?) - angle(from);
+            let yaw_rad = X_WO.rotation.euler_angles().2;
+            let turn_rad = snap(yaw_rad + turn_rad, SNAP.1) - yaw_rad;
             to.rotation = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn_rad) * to.rotation;
         }
     }
@@ -230,8 +239,8 @@ impl GoalGizmo {
             self.held = None;
             return commands;
         }
-        let at = ui.input(|input| input.pointer.latest_pos());
-        let to = at.and_then(|at| moved(held.handle, &held.X_WO, &held.from, &shot.ray(at)));
+        let (at, snaps) = ui.input(|input| (input.pointer.latest_pos(), input.modifiers.command));
+        let to = at.and_then(|at| moved(held.handle, &held.X_WO, &held.from, &shot.ray(at), snaps));
         if let Some(to) = to.filter(|to| differs(to, &X_WO)) {
             held.has_moved = true;
             commands.extend(drag(held.subject, to, state));
@@ -380,7 +389,7 @@ mod tests {
         let (shot, X_WO) = (shot(&camera), goal());
         let drag = |handle: Handle, to: &Isometry3<f64>, from: &Point3<f64>, at: &Point3<f64>| {
             let taken = taken_at(handle, &X_WO, &shot.ray(shot.project(from).unwrap())).unwrap();
-            let found = moved(handle, &X_WO, &taken, &shot.ray(shot.project(at).unwrap())).unwrap();
+            let found = moved(handle, &X_WO, &taken, &shot.ray(shot.project(at).unwrap()), false).unwrap();
             // A point on the screen is exact to 1e-7 of its size as f32: some micrometres.
             assert!((found.translation.vector - to.translation.vector).norm() < 2e-5, "{handle:?}: {found}");
             assert!(found.rotation.angle_to(&to.rotation) < 1e-4, "{handle:?}: {found}");
@@ -395,6 +404,24 @@ mod tests {
         let rim = Vector3::new(0.1, 0.0, 0.0);
         let turned = Isometry3::from_parts(X_WO.translation, turn * X_WO.rotation);
         drag(Handle::Ring, &turned, &(p_WO + rim), &(p_WO + turn * rim));
+    }
+
+    #[test]
+    fn with_ctrl_places_are_whole_centimetres_and_turns_whole_steps() {
+        let camera = camera(1.6);
+        let (shot, X_WO) = (shot(&camera), goal());
+        let p_WO = Point3::from(X_WO.translation.vector);
+        let drag = |handle: Handle, from: Point3<f64>, to: Point3<f64>| {
+            let taken = taken_at(handle, &X_WO, &shot.ray(shot.project(&from).unwrap())).unwrap();
+            moved(handle, &X_WO, &taken, &shot.ray(shot.project(&to).unwrap()), true).unwrap()
+        };
+        let moved = drag(Handle::Middle, p_WO, p_WO + Vector3::new(-0.113, 0.067, 0.0)).translation;
+        assert!((moved.vector - Vector3::new(0.49, 0.27, 0.8)).norm() < 1e-12, "{moved}");
+        let lifted = drag(Handle::Arrow, p_WO, p_WO + Vector3::new(0.0, 0.0, 0.128)).translation;
+        assert!((lifted.vector - Vector3::new(0.6, 0.2, 0.93)).norm() < 1e-12, "{lifted}");
+        // From 0.3 rad by about a right angle: 105° is the nearest step.
+        let turned = drag(Handle::Ring, p_WO + 0.1 * Vector3::x(), p_WO + 0.1 * Vector3::y());
+        assert!((turned.rotation.euler_angles().2.to_degrees() - 105.0).abs() < 1e-9, "{turned}");
     }
 
     #[test]

@@ -6,7 +6,7 @@
 use egui::{Color32, CursorIcon, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, vec2};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
-use super::goal_gizmo::{Shot, arrow_head, differs, distance, tell};
+use super::goal_gizmo::{SNAP, Shot, arrow_head, differs, distance, tell};
 use super::theme::{SMALL, Tokens, font};
 use super::{Command, LedHand, PoseCommand, ViewerState};
 use crate::render::Ray;
@@ -21,8 +21,6 @@ const NEAR: [f32; 2] = [8.0, 6.0];
 const DOT: f32 = 15.0;
 /// Corners of a ring.
 const CORNERS: u32 = 64;
-/// Steps of a hand that snaps: metres and radians.
-const SNAP: (f64, f64) = (0.01, std::f64::consts::PI / 12.0);
 /// A ring seen so nearly from its edge that the pointer cannot turn it: cosine.
 const EDGE_ON: f64 = 0.12;
 /// What a person calls the axes.
