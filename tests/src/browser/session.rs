@@ -29,8 +29,8 @@ const QUIET: [&str; 9] = [
 static TURN: Mutex<()> = Mutex::new(());
 /// How often a picture is asked for.
 const SCREENSHOT_ATTEMPTS: usize = 6;
-/// Time without a frame after which the page is at rest.
-const REST: Duration = Duration::from_millis(700);
+/// Time without a frame after which the page is at rest: a software renderer takes a second for some.
+const REST: Duration = Duration::from_millis(1500);
 
 /// The address of the site under test, with a closing slash.
 ///
